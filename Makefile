@@ -1,0 +1,61 @@
+# Needs Python 3.11 or newer and make. Everything is installed into .venv; nothing else on the machine is touched.
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test test-long bench lint format serve openapi lock clean
+
+PYTHON ?= python3
+BIN := .venv/bin
+LOCK := --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-annotate \
+	--custom-compile-command "make lock" --quiet
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_NO_INPUT := 1
+
+help: ## list the commands
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
+
+setup: .venv/installed ## create .venv from the lock file and install rivetplan into it
+
+demo: setup ## plan and verify the A320 shell into out/, then post a small panel to the service
+	@$(BIN)/python -m service.demo
+
+test: lint ## lint and the tests that are not marked long
+	$(BIN)/python -m pytest -q -m "not long"
+
+test-long: setup ## the tests that take minutes
+	$(BIN)/python -m pytest -q -m long
+
+bench: setup ## the planner's tables over hard links of the shell
+	@$(BIN)/python -m tests.benchmarks
+
+lint: setup ## style, formatting, types, layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: setup ## format the code and mend what ruff can mend
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+serve: setup ## start the HTTP service on http://127.0.0.1:8000
+	$(BIN)/rivetplan serve
+
+openapi: setup ## write openapi/openapi.json anew
+	$(BIN)/python -m service.openapi
+
+lock: ## resolve the dependencies anew (needs uv)
+	uv pip compile pyproject.toml $(LOCK) -o requirements.lock
+	uv pip compile pyproject.toml --extra dev $(LOCK) -c requirements.lock -o requirements-dev.lock
+
+clean: ## remove .venv, caches and out/
+	rm -rf .venv out build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+.venv/locked: requirements-dev.lock
+	$(PYTHON) -c 'import sys; sys.exit("rivetplan needs Python 3.11 or newer" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv --clear .venv
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement requirements-dev.lock
+	@touch $@
+
+.venv/installed: .venv/locked pyproject.toml
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	@touch $@

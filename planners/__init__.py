@@ -1,0 +1,43 @@
+"""Path planning on arrays and the Space protocol: it knows no shapes, no machines and no files."""
+
+from planners.arrays import Array, frozen
+from planners.detector import Detector, Stop, never
+from planners.errors import InvalidSetting, LimitExceeded, NotFinite, PlannerError, WrongShape
+from planners.escapes import Escape, EscapeArrays, EscapeLibrary
+from planners.link_planner import LinkPlanner
+from planners.path import Path
+from planners.region import Region
+from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
+from planners.retiming import ExactStop, PathLimits, exact_stop, path_limits
+from planners.settings import AxisRule, PlannerSettings
+from planners.space import Space
+
+__all__ = [
+    "Array",
+    "AxisRule",
+    "Detector",
+    "Escape",
+    "EscapeArrays",
+    "EscapeLibrary",
+    "ExactStop",
+    "InvalidSetting",
+    "LimitExceeded",
+    "LinkPlanner",
+    "NotFinite",
+    "Path",
+    "PathLimits",
+    "PlanCounts",
+    "PlanResult",
+    "PlanStatus",
+    "PlanTimes",
+    "PlannerError",
+    "PlannerSettings",
+    "Region",
+    "Space",
+    "Stop",
+    "WrongShape",
+    "exact_stop",
+    "frozen",
+    "never",
+    "path_limits",
+]

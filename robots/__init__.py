@@ -1,0 +1,1 @@
+"""Machines, panels, cells and NC programs; stands on `planners`, knows nothing of HTTP."""

@@ -1,0 +1,262 @@
+"""The cell: a machine with one die and a panel in it, as a planner may ask about it.
+
+`Cell` holds the geometry; `LinkSpace` is the Space of one link between two fasteners (near its two open poses
+the die may come closer than in transit); `process_blockage` proves the short W moves at a fastener, where the
+die tip touches the stack by design. Every positive answer is a certificate (see `certified_edge`); errors
+inside end as "not free", never as "free".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from planners.arrays import Array
+from robots.buried import BuriedTest
+from robots.certified_edge import certified_to
+from robots.contact import PanelPieces, TipScene
+from robots.dies import TIP, Die
+from robots.machine import PANEL, FootState, Machine
+from robots.motion_bound import MotionBound
+from robots.panel import Fastener, Panel
+from robots.scene import Pair, Scene
+from robots.solids import bounding_sphere, reach_about_axis
+
+CERTIFICATE_MARGIN = 0.00005
+"""[m] Kept beyond the policy, so that rounding axis values to the NC program's digits cannot spend the
+clearance.
+"""
+
+
+CLEARANCE_CAP = 0.050
+"""[m] Larger clearances are not told apart."""
+
+
+@dataclass(frozen=True)
+class Blockage:
+    """Why a pose or a move is refused: the pair that is too close, its gap and the clearance it needs, in
+    [m].
+    """
+
+    solid: str
+    other: str
+    gap: float
+    needed: float
+
+    @property
+    def lack(self) -> float:
+        """Clearance that is missing [m]; negative where there is some to spare."""
+        return self.needed - self.gap
+
+
+class Cell:
+    """A `machine` with one `die` around a `panel` fixed in its own frame."""
+
+    def __init__(self, machine: Machine, die: Die, panel: Panel) -> None:
+        self.machine, self.die, self.panel = machine, die, panel
+        self.scene = Scene(machine, die, panel, "open")
+        self._clamped = Scene(machine, die, panel, "clamped")
+        self.bound = MotionBound(machine, self.scene.solids, self.scene.pairs)
+        self.transit = self._needs(near_fastener=False)
+        self.near = self._needs(near_fastener=True)
+        self.tip_pair = self.scene.pairs.index(Pair(TIP, PANEL, of_die=True))
+        self._pieces = PanelPieces(panel)
+        self._buried = BuriedTest(self.scene, self._pieces)
+        tip = next(solid for solid in die.solids if solid.name == TIP)
+        self._tip_radius = reach_about_axis(tip, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+        sphere = bounding_sphere(tip)
+        self._tip_reach = float(np.linalg.norm(sphere.center)) + sphere.radius
+        self._last_tip_scene: tuple[str, TipScene] | None = None
+        self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
+
+    def _needs(self, *, near_fastener: bool) -> list[float]:
+        """Clearance of every pair [m]; only the die may come nearer at a fastener, and only to the panel."""
+        policy, sag = self.machine.policy, self.panel.sag
+        return [
+            policy.between(p.solid, p.other, near_fastener=near_fastener and p.of_die and p.with_panel)
+            + (sag if p.with_panel else 0.0)
+            + CERTIFICATE_MARGIN
+            for p in self.scene.pairs
+        ]
+
+    def tip_at(self, q: Array) -> Array:
+        """The die tip at `q` in the panel frame, shape (3,), [m]."""
+        self.scene.place(q)
+        return np.array(self.scene.die_tip())
+
+    def link_space(self, anchors: Sequence[Array]) -> LinkSpace:
+        """The Space of a link whose open poses are `anchors`, each (n,)."""
+        return LinkSpace(self, [self.tip_at(q) for q in anchors])
+
+    def closest(
+        self, q: Array, *, near_fastener: bool, foot: FootState = "open", tip: bool = True
+    ) -> Blockage:
+        """The pair at `q` (n,) that lacks most clearance, or has least to spare; slow, for reasons and
+        reports.
+        """
+        scene = self.scene if foot == "open" else self._clamped
+        scene.place(q)
+        needs = self.near if near_fastener else self.transit
+        asked = [k for k in range(len(needs)) if tip or k != self.tip_pair]
+        # A distance costs a hundred times what a question does: measure only what is too near, if anything
+        # is.
+        measured = [k for k in asked if scene.within(k, needs[k])] or asked
+        gaps = [(scene.gap(k), needs[k]) for k in measured]
+        found = [Blockage(gap.solid, gap.other, gap.distance, needed) for gap, needed in gaps]
+        return max(found, key=lambda blockage: blockage.lack)
+
+    def is_buried(self, q: Array) -> bool:
+        """Whether the middle of a solid lies inside a thick part at `q` (n,)."""
+        self.scene.place(q)
+        return self._buried()
+
+    def pose_is_free(self, q: Array, *, foot: FootState = "open", tip: bool = True) -> bool:
+        """Whether `q` (n,) keeps the clearances that hold at a fastener; `tip` False leaves the die tip's
+        out.
+        """
+        scene = self.scene if foot == "open" else self._clamped
+        scene.place(q)
+        asked = (k for k in range(len(self.near)) if tip or k != self.tip_pair)
+        return not any(scene.within(k, self.near[k]) for k in asked) and not self.is_buried(q)
+
+    def has_transit_clearance(self, q: Array) -> bool:
+        """Whether `q` (n,) keeps the clearances of transit, which are larger than those near a fastener."""
+        self.scene.place(q)
+        return not any(self.scene.within(k, needed) for k, needed in enumerate(self.transit))
+
+    def process_is_free(self, fastener: Fastener, opened: Array, clamped: Array) -> bool:
+        """Prove the W move between the open and the clamped pose at `fastener`, and the foot's closing.
+
+        The tip may touch the pieces of the stack under its face; every other pair keeps the clearance that
+        holds near a fastener. `opened`, `clamped`: configurations (n,).
+        """
+        if not (
+            self.pose_is_free(clamped, tip=False) and self.pose_is_free(clamped, foot="clamped", tip=False)
+        ):
+            return False
+        tip = self._tip_scene(fastener, opened, clamped)
+        motion = self.bound(opened, clamped).tolist()
+        certified = certified_to(
+            tip, opened, clamped, motion, motion[self.tip_pair], lambda _: self.near, whole=True
+        )
+        return certified == 1.0
+
+    def process_blockage(self, fastener: Fastener, opened: Array, clamped: Array) -> Blockage:
+        """What stands most in the way of the W move at `fastener`: the pair that lacks most clearance."""
+        tip = self._tip_scene(fastener, opened, clamped)
+        tip.place(clamped)
+        gap, part = tip.nearest()
+        found = [
+            Blockage(TIP, part, gap, self.near[self.tip_pair]),
+            self.closest(clamped, near_fastener=True, tip=False),
+            self.closest(clamped, near_fastener=True, foot="clamped", tip=False),
+            self.closest(opened, near_fastener=True),
+        ]
+        return max(found, key=lambda blockage: blockage.lack)
+
+    def _tip_scene(self, fastener: Fastener, opened: Array, clamped: Array) -> TipScene:
+        """The tip's surroundings over the move, without the pieces it is meant to touch: the same at any die
+        angle.
+        """
+        last = self._last_tip_scene
+        if last is None or last[0] != fastener.id:
+            last = (fastener.id, self._new_tip_scene(fastener, opened, clamped))
+            self._last_tip_scene = last
+        return last[1]
+
+    def _new_tip_scene(self, fastener: Fastener, opened: Array, clamped: Array) -> TipScene:
+        clearance, depth = self.near[self.tip_pair], self.machine.policy.contact_depth
+        stack = self._stacks[fastener.id]
+        allowed = self._pieces.under_face(fastener, stack, self._tip_radius, clearance, depth)
+        ends = np.array([self.tip_at(opened), self.tip_at(clamped)])
+        reach = self._tip_reach + clearance
+        around = self._pieces.around(ends.min(axis=0) - reach, ends.max(axis=0) + reach)
+        return TipScene(self.scene, self.tip_pair, self._pieces, np.setdiff1d(around, allowed))
+
+
+class LinkSpace:
+    """Space of one link: transit clearance, and the smaller one near the open poses at both ends.
+
+    "Near" means: the die tip is within the policy's radius of its place at one of the open poses (panel
+    frame). Counts what it was asked, for the tables: `edges`.
+    """
+
+    def __init__(self, cell: Cell, anchors: Sequence[Array]) -> None:
+        self._cell = cell
+        self._anchors = [tuple(np.asarray(anchor).tolist()) for anchor in anchors]
+        self.lower, self.upper = cell.machine.lower, cell.machine.upper
+        self.edges = 0
+
+    def is_free(self, q: Array) -> bool:
+        """Whether `q` is within limits, keeps its clearances and no solid is buried in a thick part."""
+        if not self._cell.machine.within_limits(q):
+            return False
+        scene = self._cell.scene
+        scene.place(q)
+        needs = self._required(0.0)
+        if any(scene.within(k, needed) for k, needed in enumerate(needs)):
+            return False
+        return not self._cell.is_buried(q)
+
+    def edge_is_free(self, a: Array, b: Array) -> bool:
+        """Whether the whole segment is certified; see `certified_edge`."""
+        self.edges += 1
+        machine = self._cell.machine
+        if not (machine.within_limits(a) and machine.within_limits(b)):
+            return False
+        return self._certified(a, b, whole=True) == 1.0
+
+    def advance(self, a: Array, b: Array) -> Array:
+        """The farthest configuration on the segment up to which it is certified; `a` itself where that is
+        nothing.
+        """
+        self.edges += 1
+        if not self._cell.machine.within_limits(a):
+            return a
+        within = self._part_within_limits(a, b)
+        end = b if within == 1.0 else a + within * (b - a)
+        certified = self._certified(a, end, whole=False)
+        return end if certified == 1.0 else a + certified * (end - a)
+
+    def _part_within_limits(self, a: Array, b: Array) -> float:
+        """The largest part of the segment from `a`, which is within limits, that stays there: in [0, 1]."""
+        step = b - a
+        room = np.where(step > 0.0, self.upper - a, a - self.lower)
+        moving = step != 0.0
+        return min(1.0, float(np.min(room[moving] / np.abs(step[moving]), initial=1.0)))
+
+    def _certified(self, a: Array, b: Array, *, whole: bool) -> float:
+        cell = self._cell
+        motion = cell.bound(a, b)
+        return certified_to(
+            cell.scene, a, b, motion.tolist(), float(motion[cell.tip_pair]), self._required, whole=whole
+        )
+
+    def _required(self, tip_travel: float) -> list[float]:
+        tip = self._cell.scene.die_tip()
+        within = self._cell.machine.policy.near_radius - tip_travel
+        near = any(math.dist(tip, anchor) <= within for anchor in self._anchors)
+        return self._cell.near if near else self._cell.transit
+
+    def guaranteed_clearance(self, waypoints: Array) -> float:
+        """A lower bound of the clearance over the whole path (N, n) in [m]: certified, within 0.1 mm, capped
+        at 50 mm.
+        """
+        low, high = 0.0, CLEARANCE_CAP
+        while high - low > 0.0001:
+            middle = (low + high) / 2.0
+            low, high = (middle, high) if self._keeps(waypoints, middle) else (low, middle)
+        return low
+
+    def _keeps(self, waypoints: Array, clearance: float) -> bool:
+        cell = self._cell
+        needed = [clearance] * len(cell.near)
+        for a, b in pairwise(waypoints):
+            motion = cell.bound(a, b).tolist()
+            if certified_to(cell.scene, a, b, motion, 0.0, lambda _: needed, whole=True) < 1.0:
+                return False
+        return True

@@ -1,0 +1,192 @@
+"""Links: certified motions between open poses, with the machine's own knowledge of where to search.
+
+A long link (metres of X, tens of degrees of A; also those from and to the home pose) goes under the work: out
+of the bay until the die is fully down, where nothing of the panel reaches, straight across, and up into the
+other bay. Only its two short ends need a search.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass, replace
+
+import numpy as np
+
+from planners.arrays import Array, frozen
+from planners.link_planner import LinkPlanner
+from planners.path import Path
+from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
+from robots import riveter
+from robots.cell import Blockage, Cell, LinkSpace
+from robots.nc import NcAxes
+from robots.riveter_search import Heuristics, planner_settings
+from robots.stations import Station
+
+LONG_LINK = 0.5
+"""[m] over the skin, about one frame bay: beyond it the die goes under the work rather than from bay to bay.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A planned link: the search's result, and its configurations with the program's digits, (N, n), ends
+    included.
+
+    blockage: what stands in the straight way, told where there is no path.
+    """
+
+    result: PlanResult
+    waypoints: Array
+    blockage: Blockage | None = None
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is a certified path."""
+        return self.result.ok
+
+
+class LinkFinder:
+    """Plans the links of one die, remembering escapes as it goes.
+
+    Where the heuristics leave no way, the link is searched once more without them: what they inhibit is
+    unlikely to help, not impossible.
+    """
+
+    def __init__(self, cell: Cell, heuristics: Heuristics, seed: int) -> None:
+        self._cell, self._seed = cell, seed
+        self._planner = LinkPlanner(planner_settings(cell.machine, heuristics))
+        self._unguided = None if heuristics == "none" else LinkPlanner(planner_settings(cell.machine, "none"))
+
+    def between(self, start: Station, goal: Station, stop: Callable[[], bool]) -> Link:
+        """From the open pose of one fastener to that of the next."""
+        space = self._cell.link_space([start.opened, goal.opened])
+        if self._is_long(start, goal) and not space.edge_is_free(start.opened, goal.opened):
+            under = self._under_the_work(space, start, goal, stop)
+            if under is not None:
+                return under
+        return self._search(space, start.opened, goal.opened, goal, stop)
+
+    def from_home(self, goal: Station, stop: Callable[[], bool]) -> Link:
+        """From the machine's home to the open pose of the first fastener."""
+        link = self.to_home(goal, stop)
+        return _reversed(link) if link.ok else link
+
+    def to_home(self, start: Station, stop: Callable[[], bool]) -> Link:
+        """From the open pose of the last fastener to the machine's home."""
+        space, home = self._cell.link_space([start.opened]), self._cell.machine.home
+        return self._under_the_work(space, start, home, stop) or self._search(
+            space, start.opened, home, start, stop
+        )
+
+    def _is_long(self, start: Station, goal: Station) -> bool:
+        return float(np.linalg.norm(goal.fastener.p - start.fastener.p)) > LONG_LINK
+
+    def _under_the_work(
+        self, space: LinkSpace, start: Station, goal: Station | Array, stop: Callable[[], bool]
+    ) -> Link | None:
+        """Down from `start`, straight across with the die fully down, up to `goal` (a station, or a pose
+        below already).
+
+        The way up is found as a way down and turned round: out of a narrow bay is easier than into it, and
+        escapes are remembered outwards. None where the straight way below is not free or one end has no way
+        down.
+        """
+        down = self._way_down(space, start, stop)
+        up = self._way_down(space, goal, stop) if isinstance(goal, Station) else None
+        legs = [down] if up is None else [down, up]
+        for leg in legs:
+            if not leg.ok:
+                return leg if is_cancelled(leg) else None
+        over = self._over(start, goal) if isinstance(goal, Station) else None
+        end = goal[None] if isinstance(goal, np.ndarray) else legs[-1].waypoints[::-1]
+        across = self._across(space, down.waypoints[-1], end[0], over)
+        if across is None:
+            return None
+        return Link(_joined([leg.result for leg in legs]), frozen(np.vstack([down.waypoints, *across, end])))
+
+    def _over(self, start: Station, goal: Station) -> tuple[Array, Array]:
+        """Where on the skin the way across begins and ends: arc lengths (u, v) of both fasteners."""
+        surface = self._cell.panel.surface
+        (u_a, v_a, _), (u_b, v_b, _) = surface.locate(start.fastener.p), surface.locate(goal.fastener.p)
+        return np.array([u_a, v_a]), np.array([u_b, v_b])
+
+    def _across(
+        self, space: LinkSpace, a: Array, b: Array, over: tuple[Array, Array] | None, halvings: int = 4
+    ) -> list[Array] | None:
+        """Waypoints between `a` and `b`, die down: none where the straight way is free; else the way follows
+        the skin.
+
+        The straight way between two sides of a curved panel lowers its crown onto the die; a pose over the
+        middle of the skin in between keeps the crown up.
+        """
+        if space.edge_is_free(a, b):
+            return []
+        if over is None or halvings == 0:
+            return None
+        half = (over[0] + over[1]) / 2.0
+        surface, machine = self._cell.panel.surface, self._cell.machine
+        at = riveter.place(machine, self._cell.panel.mounting, surface.point(*half), surface.normal(*half))
+        if not isinstance(at, riveter.Placement):
+            return None
+        middle = NcAxes.of(at.q(machine.axis("W").lower, float(a[-1] + b[-1]) / 2.0)).q
+        before = self._across(space, a, middle, (over[0], half), halvings - 1)
+        after = None if before is None else self._across(space, middle, b, (half, over[1]), halvings - 1)
+        return None if before is None or after is None else [*before, middle, *after]
+
+    def _way_down(self, space: LinkSpace, station: Station, stop: Callable[[], bool]) -> Link:
+        """From the open pose until the die is fully down."""
+        return self._search(space, station.opened, self._below(station.opened), station, stop)
+
+    def _below(self, q: Array) -> Array:
+        """`q` with the die fully down."""
+        machine = self._cell.machine
+        below = np.array(q)
+        below[machine.index("W")] = machine.axis("W").lower
+        return below
+
+    def _search(
+        self, space: LinkSpace, start: Array, goal: Array, at: Station, stop: Callable[[], bool]
+    ) -> Link:
+        where, name = at.fastener.p, at.fastener.id
+        result = self._planner.plan(space, start, goal, where, self._rng(start, goal), stop, name)
+        if result.status is PlanStatus.STOPPED and self._unguided is not None:
+            result = self._unguided.plan(space, start, goal, where, self._rng(start, goal), stop, name)
+        if not result.ok:
+            return Link(result, frozen(start[None]), self._in_the_way(space, start, goal))
+        return Link(result, _as_programmed(result.path))
+
+    def _rng(self, start: Array, goal: Array) -> np.random.Generator:
+        """A random source made from the link's content: the same link searches the same way in any order."""
+        digest = hashlib.sha256(self._cell.die.id.encode() + start.tobytes() + goal.tobytes()).digest()
+        return np.random.default_rng([self._seed, *np.frombuffer(digest, dtype=np.uint32).tolist()])
+
+    def _in_the_way(self, space: LinkSpace, start: Array, goal: Array) -> Blockage:
+        """The pair that halts the straight motion."""
+        if not space.is_free(start):
+            return self._cell.closest(start, near_fastener=True)
+        return self._cell.closest(space.advance(start, goal), near_fastener=False)
+
+
+def _joined(results: Sequence[PlanResult]) -> PlanResult:
+    """The result of a link made of legs: the first leg's search stands for it, its counts and times are the
+    sums.
+    """
+    origins = [result.origin for result in results]
+    searched = next((origin for origin in origins if origin != "direct"), "direct")
+    counts = PlanCounts(*(sum(column) for column in zip(*(astuple(r.counts) for r in results), strict=True)))
+    times = PlanTimes(*(sum(column) for column in zip(*(astuple(r.times) for r in results), strict=True)))
+    return replace(results[0], origin=searched, counts=counts, times=times)
+
+
+def _reversed(link: Link) -> Link:
+    return replace(link, waypoints=frozen(link.waypoints[::-1]))
+
+
+def _as_programmed(path: Path) -> Array:
+    return frozen([NcAxes.of(q).q for q in path.configurations])
+
+
+def is_cancelled(link: Link) -> bool:
+    """Whether the caller's stop ended the search: such a link says nothing about the panel."""
+    return link.result.status is PlanStatus.CANCELLED

@@ -1,0 +1,119 @@
+"""What only shows when all is in place: stacks against grips, fasteners and parts in each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robots.broad_phase import overlapping_boxes
+from robots.panel import Fastener, Stack
+from robots.panel_fasteners import Candidate
+from robots.panel_members import Members
+from robots.panel_reading import Findings
+from robots.piercing import find_piercings
+from robots.schema_problems import Keys
+from robots.stack import find_stacks
+
+#: Grip and stack may differ by this much [m].
+GRIP_TOLERANCE = 0.3e-3
+#: A stack thicker than this many diameters is not one: the axis runs along a web.
+_THICKEST = 10.0
+#: Fasteners in each other beyond this number have one cause.
+_MOST_CLOSE = 1_000_000
+#: The process that needs nothing to join.
+DRILL_ONLY = "drill_only"
+
+
+@dataclass(frozen=True)
+class _Fault:
+    """What is wrong with one fastener's stack; faults of one row are told once, at `keys`."""
+
+    keys: Keys
+    code: str
+    message: str
+    value: float | str
+    remedy: str
+
+
+def stacked(
+    candidates: Sequence[Candidate], members: Members, findings: Findings
+) -> tuple[tuple[Fastener, ...], tuple[Stack, ...]]:
+    """Fasteners with their grip, and their stacks; faults go to `findings`."""
+    if not candidates or not members.parts:
+        return (), ()
+    points = np.array([c.fastener.p for c in candidates])
+    normals = np.array([c.fastener.n for c in candidates])
+    stacks = find_stacks(tuple(members.parts), points, normals)
+    faults: dict[tuple[Keys, str], list[_Fault]] = {}
+    fasteners = []
+    for candidate, stack in zip(candidates, stacks, strict=True):
+        fault = _fault(candidate, stack)
+        if fault is not None and (members.complete or candidate.fastener.member is not None):
+            fault = replace(fault, remedy=candidate.hint + fault.remedy)
+            faults.setdefault((fault.keys, fault.code), []).append(fault)
+        grip = stack.grip if candidate.grip is None else candidate.grip
+        fasteners.append(replace(candidate.fastener, grip=grip))
+    for first, *others in faults.values():
+        more = f", and {len(others)} more of this row likewise" if others else ""
+        findings.add(first.keys, first.code, first.message + more, first.value, first.remedy)
+    return tuple(fasteners), tuple(stacks)
+
+
+def _fault(candidate: Candidate, stack: Stack) -> _Fault | None:
+    """What is wrong with one stack, or None."""
+    fastener, keys = candidate.fastener, candidate.keys
+    parts = ", ".join(stack.parts) or "no part"
+    name, through = f"fastener {fastener.id!r}", f"it goes through {parts}"
+    if fastener.member is not None and fastener.member not in stack.parts:
+        remedy = "Move the rivet line onto the foot, or skip that zone."
+        return _Fault(keys, "misses_member", f"{name} misses its member: {through}", fastener.id, remedy)
+    if len(stack.parts) < 2 and fastener.process != DRILL_ONLY:
+        remedy = f"Move it over a member, or use the process {DRILL_ONLY}."
+        return _Fault(keys, "nothing_to_join", f"{name} has nothing to join: {through}", parts, remedy)
+    true = round(1000.0 * stack.grip, 2)
+    if stack.grip > _THICKEST * fastener.diameter:
+        message = f"{name} would go through {true} mm of {parts}"
+        return _Fault(keys, "stack_too_thick", message, true, "Move it off the web.")
+    if candidate.grip is not None and abs(candidate.grip - stack.grip) > GRIP_TOLERANCE:
+        stated = round(1000.0 * candidate.grip, 4)
+        message = f"{name} has a grip of {stated} mm, but {parts} are {true} mm thick"
+        remedy = f"Use a grip of {true} mm, or from_stack."
+        return _Fault((*keys[:2], "grip_mm"), "grip_mismatch", message, stated, remedy)
+    return None
+
+
+def check_spacing(candidates: Sequence[Candidate], findings: Findings) -> None:
+    """Find fasteners whose holes run into each other, once per pair of places."""
+    if not candidates:
+        return
+    points = np.array([c.fastener.p for c in candidates])
+    radii = 0.5 * np.array([[c.fastener.diameter] for c in candidates])
+    boxes = (points - radii, points + radii)
+    i, j = overlapping_boxes(boxes, boxes, _MOST_CLOSE)
+    i, j = i[i < j], j[i < j]
+    apart = np.linalg.norm(points[i] - points[j], axis=1)
+    close = apart < radii[i, 0] + radii[j, 0]
+    seen = set()
+    for a, b, distance in zip(i[close].tolist(), j[close].tolist(), apart[close].tolist(), strict=True):
+        first, second = candidates[a], candidates[b]
+        if (first.keys, second.keys) in seen:
+            continue
+        seen.add((first.keys, second.keys))
+        ids = f"{second.fastener.id!r} and {first.fastener.id!r}"
+        message = f"the holes of fasteners {ids} run into each other: {1000.0 * distance:.2f} mm apart"
+        findings.add(
+            second.keys, "fasteners_overlap", message, second.fastener.id, "Remove or move one of them."
+        )
+
+
+def check_piercing(members: Members, findings: Findings) -> None:
+    """Find parts that pierce each other, at the place of the later one."""
+    parts = tuple(members.parts)
+    for piercing in find_piercings(parts) if parts else ():
+        first, second = parts[piercing.first], parts[piercing.second]
+        names = f"{second.kind} {second.id!r} pierces {first.kind} {first.id!r}"
+        message = f"{names} by {1000.0 * piercing.depth:.2f} mm"
+        remedy = "Move or shorten one of them, or give the frame a mouse hole or a standoff."
+        findings.add(members.places[second.id], "parts_pierce", message, first.id, remedy)

@@ -1,0 +1,224 @@
+"""The independent verifier: examines a program block by block and writes its certificate.
+
+It starts from the numbers of the NC program and shares no collision code, kinematics or timing with the
+planner: the panel as convex pieces, machine solids as support functions, separating planes as proof, its own
+forward kinematics and its own rest-to-rest profile. It fails closed: what could not be examined is a finding.
+
+    verify      a certificate for a finished program (its own certificate, if it has one, is checked too)
+    certified   a program with proven clearances in its blocks and its certificate in place
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robots.machine import Machine
+from robots.nc import Certificate, Finding, NcBlock, NcChecker, NcClearance, NcMinClearance, NcProgram
+from robots.nc_codec import Decimals, DecimalsDown
+from robots.nc_json import program_sha256, rounded, rounded_certificate, with_certificate
+from robots.panel import Panel
+from robots.separation import IntArray
+from robots.verify_clearance import Clearance, Covered, TooClose, cover
+from robots.verify_cover import SHARPNESS
+from robots.verify_fasteners import fastener_findings
+from robots.verify_inputs import input_findings, inputs_of
+from robots.verify_motion import motion_findings, valid, within_travel
+from robots.verify_order import order_findings
+from robots.verify_profile import rest_to_rest
+
+CHECKER = NcChecker("rivetplan-verify", "1")
+MAX_FINDINGS = 500
+"""A program for another panel altogether must not give a certificate of megabytes; the rest are counted."""
+_UNREADABLE = "0" * 64
+_DOWN, _DIGITS = DecimalsDown(4), Decimals(6)  # clearances are stated as the file will hold them
+
+
+@dataclass(frozen=True, eq=False)
+class Examination:
+    """Findings in block order, proven clearance per block (None: not examined), number of poses."""
+
+    findings: tuple[Finding, ...]
+    clearances: tuple[NcClearance | None, ...]
+    samples: int
+
+
+def verify(program: NcProgram, panel: Panel, machine: Machine) -> Certificate:
+    """Examine a finished program and certify or reject it."""
+    return certificate(program, examine(program, panel, machine), panel, machine)
+
+
+def certified(program: NcProgram, panel: Panel, machine: Machine) -> NcProgram:
+    """Examine a program once, write its blocks' clearances and its certificate into it."""
+    program = replace(rounded(program), verification=None)
+    examination = examine(program, panel, machine)
+    blocks = tuple(
+        replace(block, clearance=clearance)
+        for block, clearance in zip(program.blocks, examination.clearances, strict=True)
+    )
+    program = replace(program, blocks=blocks)
+    return with_certificate(program, certificate(program, examination, panel, machine))
+
+
+def examine(program: NcProgram, panel: Panel, machine: Machine) -> Examination:
+    """Check everything there is to check; never raises for what the program says."""
+    findings: list[Finding] = []
+    checks: tuple[tuple[str, Callable[[], Iterator[Finding]]], ...] = (
+        ("inputs", lambda: input_findings(program, panel, machine)),
+        ("order", lambda: order_findings(program, panel, machine)),
+        ("motion", lambda: motion_findings(program, machine)),
+        ("fasteners", lambda: fastener_findings(program, panel, machine)),
+    )
+    for name, check in checks:
+        findings += _guarded(name, check)
+    proven: list[tuple[tuple[NcClearance | None, ...], int]] = []
+    findings += _guarded("clearance", lambda: _clearance_findings(program, panel, machine, proven))
+    clearances, poses = proven[0] if proven else ((None,) * len(program.blocks), 0)
+    return Examination(_sorted(findings), clearances, poses)
+
+
+def certificate(program: NcProgram, examination: Examination, panel: Panel, machine: Machine) -> Certificate:
+    """The certificate of an examined program; it names the hash of the program as it is now."""
+    findings = examination.findings
+    try:
+        identity = program_sha256(program)
+    except ValueError as error:  # a number that cannot be written
+        identity = _UNREADABLE
+        findings = (Finding("not_writable", f"the program has no canonical text: {error}"), *findings)
+    flawed = {finding.block_n for finding in findings}
+    proven = [
+        block
+        for block, clearance in zip(program.blocks, examination.clearances, strict=True)
+        if clearance is not None and block.n not in flawed
+    ]
+    written = Certificate(
+        checker=CHECKER,
+        result="rejected" if findings or len(proven) != len(program.blocks) else "clean",
+        findings=_limited(findings),
+        min_clearance=_least(program.blocks, examination.clearances),
+        certified_blocks=len(proven),
+        samples=examination.samples,
+        program_sha256=identity,
+        inputs=inputs_of(panel, machine),
+    )
+    return rounded_certificate(written)
+
+
+def _guarded(name: str, check: Callable[[], Iterator[Finding]]) -> list[Finding]:
+    """Findings of a check; an error in it is one too, so that nothing unexamined is ever called clean."""
+    found: list[Finding] = []
+    try:
+        found.extend(check())
+    except Exception as error:
+        text = f"the check of {name} stopped: {type(error).__name__}: {error}"
+        found.append(Finding("not_examined", text))
+    return found
+
+
+def _clearance_findings(
+    program: NcProgram,
+    panel: Panel,
+    machine: Machine,
+    result: list[tuple[tuple[NcClearance | None, ...], int]],
+) -> Iterator[Finding]:
+    """Cover all blocks that can be placed; clearances per block and the number of poses go into `result`."""
+    rows = _placeable(program.blocks, machine)
+    if len(rows) < len(program.blocks):
+        left = sorted({block.n for block in program.blocks} - {program.blocks[row].n for row in rows})
+        text = (
+            f"{len(left)} blocks, from block {left[0] if left else '?'} on, cannot be placed: travel or die"
+        )
+        yield Finding("not_examined", text, left[0] if left else None)
+    covered = cover(program.blocks, rows, panel, machine)
+    for violation in covered.violations:
+        yield _too_close(program.blocks[violation.row], violation, machine)
+    for row in rows:
+        block = program.blocks[row]
+        if block.kind == "process" and int(row) not in covered.touching:
+            text = f"block {block.n}: the die tip does not stand on the stack of {block.fastener_id}"
+            yield Finding("tip_not_in_contact", text, block.n, block.fastener_id)
+    clearances = _stated(program.blocks, covered)
+    yield from _overstated(program.blocks, clearances)
+    result.append((clearances, covered.poses))
+
+
+def _placeable(blocks: tuple[NcBlock, ...], machine: Machine) -> IntArray:
+    """Rows of blocks whose two ends are within travel and whose die is known."""
+    inside = [within_travel(block, machine) for block in blocks]
+    rows = [
+        row
+        for row, block in enumerate(blocks)
+        if inside[row] and inside[max(row - 1, 0)] and block.die_id in machine.dies.ids
+    ]
+    return np.array(rows, dtype=np.int64)
+
+
+def _too_close(block: NcBlock, found: TooClose, machine: Machine) -> Finding:
+    at = f"block {block.n} ({block.kind}" + (f", {block.fastener_id})" if block.fastener_id else ")")
+    gap, need, time = 1e3 * found.gap, 1e3 * found.need, _time(block, found.s)
+    if found.in_stack:
+        depth = 1e3 * machine.policy.contact_depth
+        text = (
+            f"{at}: {found.solid} is {gap:.3f} mm from {found.other} at {time:.3f} s; "
+            f"it may touch it face to face, at most {depth:.3f} mm deep, or keep {need:.3f} mm"
+        )
+        code = "contact_too_deep"
+    else:
+        text = f"{at}: {found.solid} is {gap:.3f} mm from {found.other} at {time:.3f} s, needs {need:.3f} mm"
+        code = "clearance"
+    pair = (found.solid, found.other)
+    return Finding(code, text, block.n, block.fastener_id, pair, gap, need, time)
+
+
+def _stated(blocks: tuple[NcBlock, ...], covered: Covered) -> tuple[NcClearance | None, ...]:
+    def stated(block: NcBlock, found: Clearance | None) -> NcClearance | None:
+        if found is None:
+            return None
+        mm, at = _DOWN.text(1e3 * found.proven), _DIGITS.text(_time(block, found.s))
+        return NcClearance(float(mm), found.pair, float(at))
+
+    return tuple(stated(block, found) for block, found in zip(blocks, covered.clearances, strict=True))
+
+
+def _overstated(blocks: tuple[NcBlock, ...], clearances: tuple[NcClearance | None, ...]) -> Iterator[Finding]:
+    """A stated clearance may be sharper than the proven one by the sharpness of the proof, not more."""
+    for block, proven in zip(blocks, clearances, strict=True):
+        if block.clearance is None or proven is None:
+            continue
+        if not block.clearance.min_mm <= proven.min_mm + 1e3 * SHARPNESS:
+            text = (
+                f"block {block.n} states a clearance of {block.clearance.min_mm:.4f} mm, "
+                f"{proven.min_mm:.4f} mm are proven"
+            )
+            yield Finding("clearance_overstated", text, block.n, block.fastener_id)
+
+
+def _time(block: NcBlock, s: float) -> float:
+    """Offset from the start of the block at which the path parameter is s, [s]."""
+    duration = block.t_end_s - block.t_start_s
+    if not (np.isfinite(duration) and duration > 0.0):
+        return 0.0
+    if block.dynamics is None or not valid(block.dynamics):
+        return s * duration
+    profile = rest_to_rest(block.dynamics.v_per_s, block.dynamics.a_per_s2, block.dynamics.j_per_s3)
+    return min(profile.time(s), duration)
+
+
+def _least(blocks: tuple[NcBlock, ...], clearances: tuple[NcClearance | None, ...]) -> NcMinClearance | None:
+    found = [(c.min_mm, b.n, c) for b, c in zip(blocks, clearances, strict=True) if c is not None and c.pair]
+    if not found:
+        return None
+    mm, n, clearance = min(found, key=lambda entry: entry[:2])
+    return NcMinClearance(mm, clearance.pair or ("", ""), n, clearance.at_s)
+
+
+def _sorted(findings: list[Finding]) -> tuple[Finding, ...]:
+    """In block order, findings about no block first; the order within a block is that of the checks."""
+    return tuple(sorted(findings, key=lambda f: -1 if f.block_n is None else f.block_n))
+
+
+def _limited(findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    if len(findings) <= MAX_FINDINGS:
+        return findings
+    text = f"{len(findings) - MAX_FINDINGS} more findings are not listed"
+    return (*findings[:MAX_FINDINGS], Finding("more_findings", text))

@@ -1,0 +1,135 @@
+"""The command line. Heavy imports happen inside the commands, so that --help and bad options answer at once.
+
+Exit codes: 0 done (also where some fasteners were refused with a reason), 1 a program was rejected by the
+verifier, 2 the input cannot be used.
+"""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import typer
+
+from service import __version__
+
+T = TypeVar("T")
+
+app = typer.Typer(
+    help="Plan, time and verify NC programs for riveting machines.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+REJECTED = 1
+UNUSABLE = 2
+
+PanelFile = Annotated[Path, typer.Argument(metavar="PANEL.json", help="The panel file.", show_default=False)]
+MachineOption = Annotated[str, typer.Option("--machine", help="Id of a machine, or a definition file.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"rivetplan {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _main(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", is_eager=True, callback=_print_version)
+    ] = False,
+) -> None:
+    """Hold the options that belong to no command."""
+
+
+@app.command()
+def plan(
+    panel: PanelFile,
+    machine: MachineOption = "riveter",
+    die: Annotated[
+        list[str] | None,
+        typer.Option(help="Id of a die to use; repeat it or separate ids by commas. [default: all]"),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, max=2**53 - 1, help="Same input and seed, same bytes.")] = 0,
+    out: Annotated[
+        Path | None, typer.Option(help="The program. [default: PANEL.nc.json in this directory]")
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, max=64, help="Planning processes; the result is the same. [default: one a core]"),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no summary.")] = False,
+) -> None:
+    """Plan a panel's program, verify it and write it."""
+    from service.commands import plan as command
+
+    clean = _or_exit(
+        lambda: command.plan(
+            panel,
+            out or Path(f"{panel.stem}.nc.json"),
+            machine=machine,
+            dies=[name for names in die for name in names.split(",")] if die else None,
+            seed=seed,
+            workers=workers or os.cpu_count() or 1,
+            quiet=quiet,
+        )
+    )
+    if not clean:
+        typer.echo("the verifier rejected the program; its findings are in the file", err=True)
+        raise typer.Exit(REJECTED)
+
+
+@app.command()
+def verify(
+    program: Annotated[Path, typer.Argument(metavar="PROGRAM.json", show_default=False)],
+    panel: PanelFile,
+    machine: Annotated[
+        str | None, typer.Option(help="Id or definition file. [default: the machine the program names]")
+    ] = None,
+) -> None:
+    """Verify a program against its panel, independently of how it was planned."""
+    from service.commands import verify as command
+
+    if not _or_exit(lambda: command.verify(program, panel, machine=machine)):
+        raise typer.Exit(REJECTED)
+
+
+@app.command()
+def serve(
+    host: Annotated[str, typer.Option(help="A loopback address.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 takes a free one.")] = 8000,
+    max_fasteners: Annotated[
+        int, typer.Option(min=1, help="Fasteners of a panel that is programmed while the client waits.")
+    ] = 120,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Requests that are computed at once.")] = 1,
+) -> None:
+    """Serve the HTTP API until interrupted."""
+    from service.commands import serve as command
+    from service.settings import Settings
+
+    settings = Settings(max_sync_fasteners=max_fasteners, workers=workers)
+    _or_exit(lambda: command.serve(host, port, settings))
+
+
+def _or_exit(work: Callable[[], T]) -> T:
+    """Return what `work` returns; where the input cannot be used, print a line for each problem and leave."""
+    from service.commands.reading import Unusable
+
+    try:
+        return work()
+    except Unusable as unusable:
+        for line in unusable.lines:
+            typer.echo(line, err=True)
+        raise typer.Exit(UNUSABLE) from None
+
+
+def main() -> None:
+    """Run the command line; what the console script calls."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""Reading what the user named, and saying in lines what is wrong with it.
+
+Exception
+  Unusable        the input cannot be used; one line per problem
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from robots.errors import InputProblem, InvalidInput
+from robots.strict_json import read_document
+from service.inputs import Inputs, Places, gather
+
+
+class Unusable(Exception):
+    """The input cannot be used; `lines` says why, one problem each."""
+
+    def __init__(self, lines: Sequence[str]) -> None:
+        self.lines = tuple(" ".join(line.split()) for line in lines)
+        super().__init__(self.lines)
+
+
+def read_inputs(panel_file: Path, machine: str, dies: Sequence[str] | None) -> Inputs:
+    """Read a panel file; `machine` is an id, or a definition file where it ends in .json. Raises Unusable."""
+    with as_lines(f"{panel_file}#"):
+        document = read_document(panel_file)
+    where = Path(machine) if machine.endswith(".json") else machine
+    places = Places(panel=f"{panel_file}#", machine="--machine", dies="--die")
+    with as_lines(""):
+        return gather(document, where, dies, places)
+
+
+def read(file: Path) -> bytes:
+    """Return the bytes of a file. Raises Unusable."""
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise Unusable([f"{file}: cannot be read: {error.strerror}."]) from None
+
+
+@contextmanager
+def as_lines(place: str) -> Iterator[None]:
+    """Turn InvalidInput into Unusable, a line for each problem, its pointer after `place`."""
+    try:
+        yield
+    except InvalidInput as invalid:
+        raise Unusable([_line(place, each) for each in invalid.problems]) from None
+
+
+def _line(place: str, problem: InputProblem) -> str:
+    value = "" if problem.value is None else f" (got {problem.value!r})"
+    where = f"{place}{problem.pointer}".removesuffix("#")  # a pointer to the whole document is none
+    return f"{where}: {problem.message}{value}. {problem.remedy}"

@@ -1,0 +1,189 @@
+"""Makes an NcProgram of an itinerary: header, blocks, a status and reason for every fastener, summary."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from robots.dies import Die
+from robots.machine import Machine
+from robots.nc import (
+    FastenerStatus,
+    NcAxis,
+    NcBreakdown,
+    NcClearancePolicy,
+    NcCounts,
+    NcDatums,
+    NcDie,
+    NcFastener,
+    NcHeader,
+    NcInput,
+    NcInputs,
+    NcLinkCounts,
+    NcMachine,
+    NcPairClearance,
+    NcPlanner,
+    NcPolicy,
+    NcProcess,
+    NcProgram,
+    NcReason,
+    NcSearchRow,
+    NcStep,
+    NcSummary,
+)
+from robots.nc_json import program_id, rounded
+from robots.panel import Fastener, Panel
+from robots.stations import Refusal, Station
+from service import __version__
+from service.block_writer import BlockWriter
+from service.itinerary import Itinerary
+from service.reasons import reason_for
+
+_MM = 1e3
+
+
+def write_program(
+    panel: Panel, machine: Machine, dies: Sequence[Die], itinerary: Itinerary, seed: int
+) -> NcProgram:
+    """The program without clearances and certificate, with the numbers a reader of its file will see."""
+    used = [each.die_id for each in itinerary.passes]
+    writer = BlockWriter(machine, panel, used[0] if used else dies[0].id)
+    writer.write(itinerary)
+    fasteners = _fasteners(panel, itinerary, writer)
+    inputs = _inputs(panel, machine, dies)
+    planner = NcPlanner("rivetplan", __version__, seed)
+    return rounded(
+        NcProgram(
+            header=NcHeader(program_id(inputs, planner), panel.title, planner, inputs),
+            machine=_machine(machine),
+            datums=_datums(panel),
+            policy=_policy(panel, machine),
+            dies=tuple(NcDie(die.id, die.axisymmetric) for die in dies),
+            processes=_processes(panel, machine),
+            blocks=tuple(writer.blocks),
+            fasteners=fasteners,
+            summary=_summary(itinerary, writer, fasteners),
+        )
+    )
+
+
+def _inputs(panel: Panel, machine: Machine, dies: Sequence[Die]) -> NcInputs:
+    return NcInputs(
+        machine=NcInput(machine.id, machine.sha256),
+        panel=NcInput(panel.id, panel.sha256),
+        dies=NcInput(" ".join(die.id for die in dies), machine.dies.sha256),
+        process=NcInput(machine.processes.id, machine.processes.sha256),
+    )
+
+
+def _machine(machine: Machine) -> NcMachine:
+    axes = []
+    for axis in machine.axes:
+        prismatic = axis.kind == "prismatic"
+        scale = _MM if prismatic else 180.0 / math.pi
+        values = (axis.lower, axis.upper, axis.v_max, axis.a_max, axis.j_max)
+        axes.append(NcAxis(axis.name, "mm" if prismatic else "deg", *(scale * value for value in values)))
+    return NcMachine(machine.id, tuple(axes))
+
+
+def _datums(panel: Panel) -> NcDatums:
+    mounting = np.array(panel.mounting)
+    mounting[:3, 3] *= _MM
+    rows = tuple(tuple(row) for row in mounting.tolist())
+    return NcDatums(panel_frame_mm=rows, machine_datum_mm=(0.0, 0.0, 0.0))  # type: ignore[arg-type]
+
+
+def _policy(panel: Panel, machine: Machine) -> NcPolicy:
+    policy = machine.policy
+    pairs = tuple(NcPairClearance(a, b, _MM * value) for (a, b), value in sorted(policy.pairs.items()))
+    clearance = NcClearancePolicy(
+        default=_MM * policy.default,
+        near_fastener=_MM * policy.near_fastener,
+        near_radius_mm=_MM * policy.near_radius,
+        pairs=pairs,
+        contact_depth_mm=_MM * policy.contact_depth,
+        sag_mm=_MM * panel.sag,
+    )
+    return NcPolicy(clearance, exact_stop_at_events=True, timing_law="exact_stop")
+
+
+def _processes(panel: Panel, machine: Machine) -> tuple[NcProcess, ...]:
+    used = sorted({fastener.process for fastener in panel.fasteners})
+    return tuple(
+        NcProcess(
+            id=name,
+            steps=tuple(NcStep(str(step.code), step.duration) for step in machine.processes[name].steps),
+            retract_mm=_MM * machine.retract_margin,
+        )
+        for name in used
+    )
+
+
+def _fasteners(panel: Panel, itinerary: Itinerary, writer: BlockWriter) -> tuple[NcFastener, ...]:
+    stations = {stop.index: stop.station for each in itinerary.passes for stop in each.stops}
+    written = []
+    for index, (fastener, stack) in enumerate(zip(panel.fasteners, panel.stacks, strict=True)):
+        station = stations.get(index)
+        status, reason = _outcome(fastener, station, itinerary.refusals.get(index, []))
+        x, y, z = (_MM * fastener.p).tolist()
+        n_x, n_y, n_z = fastener.n.tolist()
+        written.append(
+            NcFastener(
+                id=fastener.id,
+                p_mm=(x, y, z),
+                n=(n_x, n_y, n_z),
+                diameter_mm=_MM * fastener.diameter,
+                grip_mm=_MM * fastener.grip,
+                stack=stack.parts,
+                status=status,
+                reason=reason,
+                die_id=station.die_id if station else None,
+                die_angle_deg=math.degrees(station.die_angle) if station else None,
+                block_n=writer.process_block.get(fastener.id),
+            )
+        )
+    return tuple(written)
+
+
+def _outcome(
+    fastener: Fastener, station: Station | None, refusals: Sequence[Refusal]
+) -> tuple[FastenerStatus, NcReason | None]:
+    return ("installed", None) if station else reason_for(fastener, refusals)
+
+
+def _summary(itinerary: Itinerary, writer: BlockWriter, fasteners: Sequence[NcFastener]) -> NcSummary:
+    statuses = [fastener.status for fastener in fasteners]
+    spent = {kind: microseconds / 1e6 for kind, microseconds in writer.spent_us.items()}
+    origins = [link.result.origin.partition(":")[0] for link in itinerary.links]
+    return NcSummary(
+        counts=NcCounts(
+            installed=statuses.count("installed"),
+            deferred_manual=statuses.count("deferred_manual"),
+            inaccessible=statuses.count("inaccessible"),
+            excluded=statuses.count("excluded"),
+            total=len(statuses),
+        ),
+        cycle_time_s=writer.elapsed_us / 1e6,
+        breakdown_s=NcBreakdown(
+            **{kind: spent.get(kind, 0.0) for kind in ("process", "move", "approach", "escape", "die_change")}
+        ),
+        links=NcLinkCounts(**{o: origins.count(o) for o in ("direct", "planned", "reused", "fallback")}),
+        search=_search_rows(itinerary),
+    )
+
+
+def _search_rows(itinerary: Itinerary) -> tuple[NcSearchRow, ...]:
+    """The rows of Graux 1992, Tables 1 and 2 that are counts, summed over all links, failed ones included."""
+    counts = [link.result.counts for link in (*itinerary.links, *itinerary.failures)]
+    names = (
+        "configurations",
+        "setpoint",
+        "gradient",
+        "random",
+        "detections",
+        "smoothing_detections",
+        "after_smoothing",
+    )
+    return tuple(NcSearchRow(name, sum(getattr(c, name) for c in counts)) for name in names)

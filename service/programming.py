@@ -1,0 +1,162 @@
+"""Programming a panel: from panel, machine and dies to a timed and verified NC program. No HTTP here.
+
+Order: the dies are used one after the other, each in one pass over the fasteners still open, in the order
+they are given. So an offset die that only some places need costs one die change, not one at every such place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import perf_counter
+
+from planners.detector import never
+from robots.dies import Die
+from robots.errors import InputProblem, InvalidInput
+from robots.links import Link, LinkFinder
+from robots.machine import Machine
+from robots.nc import NcProgram
+from robots.panel import Panel
+from robots.riveter_search import Heuristics
+from robots.verify import certified
+from service.crew import Crew, RunTask
+from service.die_pass import Run
+from service.itinerary import Itinerary
+from service.program_writer import write_program
+
+RUN_LENGTH = 64
+"""[fasteners] planned in one piece: long enough for escapes to pay, short enough to share out between
+workers. Part of the result: another length gives another (equally valid) program.
+"""
+
+
+@dataclass(frozen=True)
+class ProgressEvent:
+    """How far a phase has come: `phase` is "plan <die>" or "verify", of `total` fasteners or blocks."""
+
+    phase: str
+    done: int
+    total: int
+
+
+@dataclass
+class Statistics:
+    """What the program cost: wall-clock seconds by phase, and all searched links. For reports; never in the
+    program.
+    """
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    links: tuple[Link, ...] = ()
+    failures: tuple[Link, ...] = ()
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Add the time spent inside to the phase `name`."""
+        begin = perf_counter()
+        yield
+        self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - begin
+
+
+@dataclass(frozen=True, eq=False)
+class ProgrammedPanel:
+    """A finished program with its certificate, and what it cost."""
+
+    program: NcProgram
+    statistics: Statistics
+
+
+Progress = Callable[[ProgressEvent], None]
+
+
+def program_panel(
+    panel: Panel,
+    machine: Machine,
+    dies: Sequence[Die],
+    *,
+    seed: int = 0,
+    workers: int = 1,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] = never,
+    heuristics: Heuristics = "heuristics_and_escapes",
+) -> ProgrammedPanel:
+    """Plan, time and verify the program of `panel`.
+
+    dies: in the order they are tried. seed: same input and seed, same bytes, on any number of `workers`.
+    progress: told how far each phase is. Raises `die_pass.Cancelled` when `stop` says so, InvalidInput where
+    the machine's home pose is in collision with the panel.
+    """
+    statistics = Statistics()
+    tell = progress or (lambda _: None)
+    with statistics.phase("plan"):
+        itinerary = _plan(panel, machine, dies, seed, workers, tell, stop, heuristics)
+    statistics.links, statistics.failures = tuple(itinerary.links), tuple(itinerary.failures)
+    with statistics.phase("write"):
+        program = write_program(panel, machine, dies, itinerary, seed)
+    with statistics.phase("verify"):
+        tell(ProgressEvent("verify", 0, len(program.blocks)))
+        program = certified(program, panel, machine)
+        tell(ProgressEvent("verify", len(program.blocks), len(program.blocks)))
+    return ProgrammedPanel(program, statistics)
+
+
+def _plan(
+    panel: Panel,
+    machine: Machine,
+    dies: Sequence[Die],
+    seed: int,
+    workers: int,
+    tell: Progress,
+    stop: Callable[[], bool],
+    heuristics: Heuristics,
+) -> Itinerary:
+    itinerary = Itinerary()
+    with Crew(machine, panel, heuristics, seed, workers, stop) as crew:
+        for die in dies:
+            cell = crew.here.cell(die.id)
+            require_free_home(cell.link_space([machine.home]).is_free(machine.home), panel, machine)
+            tasks = _tasks(panel, die, itinerary.installed)
+            runs = _counted(crew.plan(tasks), tasks, f"plan {die.id}", tell)
+            itinerary.join(die.id, runs, LinkFinder(cell, heuristics, seed), stop)
+        itinerary.explain(panel, crew.here.cell)
+    return itinerary
+
+
+def _tasks(panel: Panel, die: Die, installed: frozenset[int]) -> list[RunTask]:
+    """The fasteners still open that this die may do, in runs."""
+    still_open = tuple(
+        index
+        for index, fastener in enumerate(panel.fasteners)
+        if index not in installed and fastener.die in (None, die.id)
+    )
+    starts = range(0, len(still_open), RUN_LENGTH)
+    return [
+        RunTask(die.id, still_open[at : at + RUN_LENGTH], still_open[at - 1] if at else None) for at in starts
+    ]
+
+
+def _counted(runs: Iterator[Run], tasks: Sequence[RunTask], phase: str, tell: Progress) -> Iterator[Run]:
+    total, done = sum(len(task.indices) for task in tasks), 0
+    tell(ProgressEvent(phase, 0, total))
+    for task, run in zip(tasks, runs, strict=True):
+        yield run
+        done += len(task.indices)
+        tell(ProgressEvent(phase, done, total))
+
+
+def require_free_home(free: bool, panel: Panel, machine: Machine) -> None:
+    """Raise InvalidInput unless the machine's home pose is free of the panel."""
+    if free:
+        return
+    values = ", ".join(f"{axis.name} {axis.home:g}" for axis in machine.axes)
+    raise InvalidInput(
+        [
+            InputProblem(
+                "/mounting",
+                "home_in_collision",
+                f"panel {panel.id} is in collision with machine {machine.id} at its home position",
+                values,
+                "Mount the panel clear of the home position, or give the machine another home.",
+            )
+        ]
+    )

@@ -1,0 +1,1 @@
+"""Routes of the HTTP service: each parses, calls the engine and answers."""

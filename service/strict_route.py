@@ -1,0 +1,112 @@
+"""The route class of the service: bodies, media types and query parameters are taken literally."""
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+from fastapi import Request, Response
+from fastapi.routing import APIRoute
+
+from robots.errors import InputProblem, InvalidInput
+from service.errors import ProblemError, problem
+from service.settings import Settings
+from service.strict_json import parse
+
+#: How much of a body that is too large is still read [1 = the limit], so that an ordinary client gets to read
+#: the answer instead of a broken connection.
+_DRAINED = 4
+
+
+class ClientGone(Exception):
+    """Nobody is left to answer."""
+
+
+class StrictRoute(APIRoute):
+    """Parses JSON bodies strictly, refuses unknown query parameters, stops when the client goes away."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Wrap FastAPI's handler."""
+        handler = super().get_route_handler()
+        has_body = self.body_field is not None
+        known = sorted(field.alias for field in self.dependant.query_params)
+
+        async def strictly(request: Request) -> Response:
+            _refuse_unknown_query(request, known)
+            return await _while_connected(request, handler(await _parsed(request) if has_body else request))
+
+        return strictly
+
+
+class _ParsedRequest(Request):
+    """A request whose body has been read and parsed."""
+
+    def __init__(self, request: Request, raw: bytes, value: object) -> None:
+        super().__init__(request.scope, request.receive)
+        self._body = raw
+        self._value = value
+
+    async def json(self) -> Any:
+        return self._value
+
+
+async def _parsed(request: Request) -> Request:
+    settings: Settings = request.app.state.settings
+    _check_media_type(request)
+    raw = await _body(request, settings.json.max_bytes)
+    return _ParsedRequest(request, raw, parse(raw, settings.json))
+
+
+def _check_media_type(request: Request) -> None:
+    media_type, _, parameters = request.headers.get("content-type", "").partition(";")
+    charset = parameters.strip().lower().removeprefix("charset=").strip('"')
+    if media_type.strip().lower() != "application/json" or charset not in ("", "utf-8"):
+        remedy = "Send Content-Type: application/json, encoded as UTF-8."
+        raise ProblemError(problem("unsupported_media_type", "Only JSON is read here.", remedy=remedy))
+
+
+async def _body(request: Request, limit: int) -> bytes:
+    """Read the body; one beyond the limit is not kept, only read on for a while."""
+    chunks: list[bytes] = []
+    size = 0
+    async for chunk in request.stream():
+        size += len(chunk)
+        if size <= limit:
+            chunks.append(chunk)
+        elif size > _DRAINED * limit:
+            break
+    if size > limit:
+        detail = f"The body has more than {limit} bytes."
+        remedy = "Describe fasteners as rows, or use `rivetplan plan` on the command line."
+        raise ProblemError(problem("body_too_large", detail, limit=limit, remedy=remedy))
+    return b"".join(chunks)
+
+
+def _refuse_unknown_query(request: Request, known: list[str]) -> None:
+    unknown = sorted(set(request.query_params) - set(known))
+    if unknown:
+        remedy = f"Use one of: {', '.join(known)}." if known else "This address takes no query parameters."
+        raise InvalidInput(
+            [
+                InputProblem(name, "unknown_parameter", "unknown query parameter", None, remedy)
+                for name in unknown
+            ]
+        )
+
+
+async def _while_connected(request: Request, work: Coroutine[Any, Any, Response]) -> Response:
+    """Return what `work` returns; cancel it when the client disconnects first."""
+    working = asyncio.ensure_future(work)
+    leaving = asyncio.ensure_future(_disconnected(request))
+    try:
+        await asyncio.wait({working, leaving}, return_when=asyncio.FIRST_COMPLETED)
+        if not working.done():
+            raise ClientGone
+        return working.result()
+    finally:
+        working.cancel()
+        leaving.cancel()
+
+
+async def _disconnected(request: Request) -> None:
+    while (await request.receive())["type"] != "http.disconnect":
+        pass

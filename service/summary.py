@@ -1,0 +1,107 @@
+"""What a program comes to, as rows for a table and as a report to keep."""
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from robots.nc import Certificate, NcFastener, NcProgram
+from robots.nc_json import program_sha256
+
+Row = tuple[str, str]
+
+
+def program_rows(program: NcProgram) -> list[Row]:
+    """Return the figures of a program: fasteners, cycle time and where it goes, links, certificate."""
+    summary = program.summary
+    counts, links = summary.counts, summary.links
+    refused = {
+        "deferred to manual work": counts.deferred_manual,
+        "inaccessible": counts.inaccessible,
+        "excluded": counts.excluded,
+    }
+    breakdown = summary.breakdown_s
+    times = {
+        "process": breakdown.process,
+        "move": breakdown.move,
+        "escape": breakdown.escape,
+        "approach and retreat": breakdown.approach,
+        "die change": breakdown.die_change,
+    }
+    return [
+        ("fasteners", f"{counts.total}"),
+        ("  installed", f"{counts.installed} ({_percent(counts.installed, counts.total)})"),
+        *((f"  {name}", f"{number}") for name, number in refused.items() if number),
+        ("cycle time", _duration(summary.cycle_time_s)),
+        *((f"  {name}", _share(seconds, summary.cycle_time_s)) for name, seconds in times.items()),
+        ("links", f"{links.direct + links.planned + links.reused + links.fallback}"),
+        ("  direct", f"{links.direct}"),
+        ("  planned", f"{links.planned}"),
+        ("  by an earlier escape", f"{links.reused}"),
+        ("  by the fallback", f"{links.fallback}"),
+        ("blocks", f"{len(program.blocks)}"),
+        *(certificate_rows(program.verification) if program.verification else ()),
+        ("sha256", program_sha256(program)),
+    ]
+
+
+def certificate_rows(certificate: Certificate) -> list[Row]:
+    """Return what the verifier found."""
+    rows = [
+        ("certificate", certificate.result),
+        ("  certified blocks", f"{certificate.certified_blocks}"),
+        ("  findings", f"{len(certificate.findings)}"),
+    ]
+    least = certificate.min_clearance
+    if least is not None:
+        where = f"{least.mm:.3f} mm, {' and '.join(least.pair)}, block {least.block_n}"
+        rows.append(("  least clearance", where))
+    return rows
+
+
+def refusals(program: NcProgram) -> list[Row]:
+    """Return every fastener that is not installed, with its status and reason, in panel order."""
+    return [(fastener.id, _reason(fastener)) for fastener in _refused(program)]
+
+
+def report(program: NcProgram, seconds: Mapping[str, float]) -> str:
+    """Return a report in Markdown. seconds: wall-clock time of each phase of the planning [s]."""
+    timing = [(phase, f"{spent:.1f} s") for phase, spent in seconds.items()]
+    search = [(row.name, f"{row.count}") for row in program.summary.search]
+    parts = [
+        f"# {program.header.title}\n",
+        f"Program {program.header.program_id} for machine {program.machine.id}.\n",
+        _markdown(("figure", "value"), program_rows(program)),
+        "\n## Planning time\n",
+        _markdown(("phase", "wall clock"), timing),
+        "\n## Search\n",
+        _markdown(("count", "sum over all links"), search),
+    ]
+    refused = refusals(program)
+    if refused:
+        parts += ["\n## Fasteners that are not installed\n", _markdown(("fastener", "reason"), refused)]
+    return "\n".join(parts) + "\n"
+
+
+def _refused(program: NcProgram) -> Iterator[NcFastener]:
+    return (fastener for fastener in program.fasteners if fastener.status != "installed")
+
+
+def _reason(fastener: NcFastener) -> str:
+    return f"{fastener.status}: {fastener.reason.text}" if fastener.reason else fastener.status
+
+
+def _markdown(head: Row, rows: Iterable[Row]) -> str:
+    lines = [head, ("---", "---"), *((name.strip(), value) for name, value in rows)]
+    return "\n".join(f"| {name} | {value} |" for name, value in lines)
+
+
+def _percent(part: int, whole: int) -> str:
+    return f"{100.0 * part / whole:.1f} %" if whole else "-"
+
+
+def _share(seconds: float, cycle: float) -> str:
+    return f"{_duration(seconds)} ({100.0 * seconds / cycle:.1f} %)" if cycle else _duration(seconds)
+
+
+def _duration(seconds: float) -> str:
+    hours, rest = divmod(round(seconds), 3600)
+    minutes, whole = divmod(rest, 60)
+    return f"{hours}:{minutes:02d}:{whole:02d} h" if hours else f"{minutes}:{whole:02d} min"

@@ -1,0 +1,1 @@
+"""What it costs: `make bench` prints the tables that the README quotes."""

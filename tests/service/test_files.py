@@ -1,0 +1,35 @@
+"""Files are written whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from service.files import write_atomically
+
+
+def test_file_is_written_and_replaced(tmp_path: Path) -> None:
+    file = tmp_path / "a.json"
+
+    write_atomically(file, b"one")
+    write_atomically(file, b"two")
+
+    assert file.read_bytes() == b"two"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_file_that_cannot_take_its_place_leaves_nothing_behind(tmp_path: Path) -> None:
+    occupied = tmp_path / "a.json"
+    occupied.mkdir()
+
+    with pytest.raises(OSError, match="directory"):
+        write_atomically(occupied, b"new")
+
+    assert list(tmp_path.iterdir()) == [occupied]
+
+
+def test_file_gets_the_permissions_every_new_file_gets(tmp_path: Path) -> None:
+    (tmp_path / "plain").touch()
+
+    write_atomically(tmp_path / "a.json", b"")
+
+    assert (tmp_path / "a.json").stat().st_mode == (tmp_path / "plain").stat().st_mode
