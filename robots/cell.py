@@ -61,8 +61,9 @@ class Cell:
         self.scene = Scene(machine, die, panel, "open")
         self._clamped = Scene(machine, die, panel, "clamped")
         self.bound = MotionBound(machine, self.scene.solids, self.scene.pairs)
-        self.transit = self._needs(near_fastener=False)
-        self.near = self._needs(near_fastener=True)
+        self.transit = self._needs(self.scene, near_fastener=False)
+        self.near = self._needs(self.scene, near_fastener=True)
+        self._near_clamped = self._needs(self._clamped, near_fastener=True)
         self.tip_pair = self.scene.pairs.index(Pair(TIP, PANEL, of_die=True))
         self._pieces = PanelPieces(panel)
         self._buried = BuriedTest(self.scene, self._pieces)
@@ -73,14 +74,17 @@ class Cell:
         self._last_tip_scene: tuple[str, TipScene] | None = None
         self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
 
-    def _needs(self, *, near_fastener: bool) -> list[float]:
+    def _needs(self, scene: Scene, *, near_fastener: bool) -> list[float]:
         """Clearance of every pair [m]; only the die may come nearer at a fastener, and only to the panel."""
         policy, sag = self.machine.policy, self.panel.sag
         return [
-            policy.between(p.solid, p.other, near_fastener=near_fastener and p.of_die and p.with_panel)
-            + (sag if p.with_panel else 0.0)
-            + CERTIFICATE_MARGIN
-            for p in self.scene.pairs
+            CERTIFICATE_MARGIN
+            + (
+                policy.from_panel(pair.solid, sag, near_fastener=near_fastener and pair.of_die)
+                if pair.with_panel
+                else policy.between(pair.solid, pair.other)
+            )
+            for pair in scene.pairs
         ]
 
     def tip_at(self, q: Array) -> Array:
@@ -98,9 +102,9 @@ class Cell:
         """The pair at `q` (n,) that lacks most clearance, or has least to spare; slow, for reasons and
         reports.
         """
-        scene = self.scene if foot == "open" else self._clamped
+        scene, needs = self._with_foot(foot)
+        needs = needs if near_fastener else self.transit
         scene.place(q)
-        needs = self.near if near_fastener else self.transit
         asked = [k for k in range(len(needs)) if tip or k != self.tip_pair]
         # A distance costs a hundred times what a question does: measure only what is too near, if anything
         # is.
@@ -118,10 +122,14 @@ class Cell:
         """Whether `q` (n,) keeps the clearances that hold at a fastener; `tip` False leaves the die tip's
         out.
         """
-        scene = self.scene if foot == "open" else self._clamped
+        scene, needs = self._with_foot(foot)
         scene.place(q)
-        asked = (k for k in range(len(self.near)) if tip or k != self.tip_pair)
-        return not any(scene.within(k, self.near[k]) for k in asked) and not self.is_buried(q)
+        asked = (k for k in range(len(needs)) if tip or k != self.tip_pair)
+        return not any(scene.within(k, needs[k]) for k in asked) and not self.is_buried(q)
+
+    def _with_foot(self, foot: FootState) -> tuple[Scene, list[float]]:
+        """The scene with the foot in that state, and the clearances near a fastener there."""
+        return (self.scene, self.near) if foot == "open" else (self._clamped, self._near_clamped)
 
     def has_transit_clearance(self, q: Array) -> bool:
         """Whether `q` (n,) keeps the clearances of transit, which are larger than those near a fastener."""
@@ -238,7 +246,8 @@ class LinkSpace:
 
     def _required(self, tip_travel: float) -> list[float]:
         tip = self._cell.scene.die_tip()
-        within = self._cell.machine.policy.near_radius - tip_travel
+        # The margin keeps what counts as near here from falling just outside by the program's rounding.
+        within = self._cell.machine.policy.near_radius - CERTIFICATE_MARGIN - tip_travel
         near = any(math.dist(tip, anchor) <= within for anchor in self._anchors)
         return self._cell.near if near else self._cell.transit
 

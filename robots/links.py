@@ -24,8 +24,7 @@ from robots.riveter_search import Heuristics, planner_settings
 from robots.stations import Station
 
 LONG_LINK = 0.5
-"""[m] over the skin, about one frame bay: beyond it the die goes under the work rather than from bay to bay.
-"""
+"""[m] over the skin, about one frame bay: a longer link goes under the work, not from bay to bay."""
 
 
 @dataclass(frozen=True, eq=False)

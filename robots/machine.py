@@ -31,6 +31,10 @@ _AT_LIMIT = 1e-12
 DIE = "die"
 #: In pairs of solids: any part of the panel.
 PANEL = "panel"
+#: The pressure foot while travelling; in `self_pairs` it stands for the foot in either state.
+FOOT = "foot"
+#: The pressure foot at a fastener: a solid of its own name, for it alone comes near the skin by design.
+CLAMPED_FOOT = "clamped_foot"
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +83,7 @@ class ClearancePolicy:
     near_radius: distance of the tip, in the panel frame, from the open pose of the link's start or goal.
     contact_depth: how deep the tip may press into the stack it clamps.
     sag: added for every panel pair, for panels that state no sag of their own.
-    pairs: (solid, solid or "panel") -> clearance that replaces both values above.
+    pairs: (solid, solid or "panel") -> clearance that replaces all of the above and holds as it is.
     """
 
     default: float
@@ -96,6 +100,11 @@ class ClearancePolicy:
                 return self.pairs[pair]
         return self.near_fastener if near_fastener else self.default
 
+    def from_panel(self, solid: str, sag: float, *, near_fastener: bool = False) -> float:
+        """Clearance a solid needs from a panel with that `sag`, all in [m]."""
+        stated = (solid, PANEL) in self.pairs or (PANEL, solid) in self.pairs
+        return self.between(solid, PANEL, near_fastener=near_fastener) + (0.0 if stated else sag)
+
 
 @dataclass(frozen=True, eq=False)
 class Machine:
@@ -106,7 +115,7 @@ class Machine:
     axes: in the order of every configuration q, shape (n,).
     panel_chain, tool_chain, T_world_gantry: see the module's head; T_world_gantry has shape (4, 4).
     solids: the fixed part: everything but foot and die, on links of the tool chain.
-    foot: the pressure foot, "open" while travelling and "clamped" at a fastener; both are named "foot".
+    foot: the pressure foot, "open" while travelling and "clamped" at a fastener: `FOOT`, `CLAMPED_FOOT`.
     self_pairs: names of solids that must not meet; `DIE` stands for every solid of the die in use.
     policy: required clearances.
     retract_margin: how far below the formed tail the open die stands [m].
@@ -193,11 +202,12 @@ class Machine:
         """Every solid that moves through the panel's space with this die in: fixed part, foot, die."""
         return (*self.solids, self.foot[foot], *die.solids)
 
-    def self_pairs_with(self, die: Die) -> tuple[tuple[str, str], ...]:
-        """`self_pairs` with `DIE` written out as the names of this die's solids."""
+    def self_pairs_with(self, die: Die, foot: FootState = "open") -> tuple[tuple[str, str], ...]:
+        """`self_pairs` with `DIE` written out as this die's solids, and `FOOT` as the foot in that state."""
+        names = {DIE: die.solid_names, FOOT: (self.foot[foot].name,)}
         return tuple(
             (first, second)
             for a, b in self.self_pairs
-            for first in (die.solid_names if a == DIE else (a,))
-            for second in (die.solid_names if b == DIE else (b,))
+            for first in names.get(a, (a,))
+            for second in names.get(b, (b,))
         )

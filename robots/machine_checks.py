@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from robots.definition_file import CrossCheck, duplicates, select, select_names, unknown_names
 from robots.errors import InputProblem
-from robots.machine import DIE, PANEL, Machine
+from robots.machine import CLAMPED_FOOT, DIE, FOOT, PANEL, Machine
 from robots.strict_json import Document
 
 #: The layout the closed form of `robots.riveter` holds for: axis, kind, direction, chain.
@@ -20,7 +20,6 @@ _RIVETER = (
     ("W", "prismatic", (0, 0, 1), "tool_chain"),
     ("C", "revolute", (0, 0, 1), "tool_chain"),
 )
-_FOOT = "foot"
 
 
 def _names(document: Document) -> Iterable[InputProblem]:
@@ -28,7 +27,7 @@ def _names(document: Document) -> Iterable[InputProblem]:
     yield from duplicates(select_names(document, "/axes/*/name"), "axis")
     yield from duplicates(solids, "solid")
     for pointer, name in solids:
-        if name in (DIE, PANEL, _FOOT):
+        if name in (DIE, PANEL, FOOT, CLAMPED_FOOT):
             yield InputProblem(
                 pointer,
                 "reserved_name",
@@ -65,7 +64,7 @@ def _links(document: Document) -> Iterable[InputProblem]:
 def _pairs(document: Document) -> Iterable[InputProblem]:
     """Pairs name solids that exist. Clearance pairs may name die solids: see `machine_problems`."""
     solids = [name for _, name in select_names(document, "/solids/*/name")]
-    yield from unknown_names(select_names(document, "/self_pairs/*/*"), [*solids, _FOOT, DIE], "solid")
+    yield from unknown_names(select_names(document, "/self_pairs/*/*"), [*solids, FOOT, DIE], "solid")
     for pattern in ("/self_pairs/*", "/clearance/pairs/*/solids"):
         seen: set[frozenset[str]] = set()
         for pointer, pair in select(document, pattern):
@@ -149,7 +148,10 @@ def machine_problems(machine: Machine) -> list[InputProblem]:
 
 
 def _die_problems(machine: Machine) -> Iterable[InputProblem]:
-    own = {solid.name: f"/solids/{i}/name" for i, solid in enumerate(machine.solids)} | {_FOOT: "/foot"}
+    own = {solid.name: f"/solids/{i}/name" for i, solid in enumerate(machine.solids)} | {
+        FOOT: "/foot",
+        CLAMPED_FOOT: "/foot",
+    }
     for die in machine.dies:
         for solid in die.solids:
             if solid.name in own:
@@ -166,7 +168,7 @@ def _die_problems(machine: Machine) -> Iterable[InputProblem]:
 def _clearance_problems(machine: Machine) -> Iterable[InputProblem]:
     """Clearance pairs name solids of the machine or of a die, or the panel."""
     of_dies = {name for die in machine.dies for name in die.solid_names}
-    known = sorted({solid.name for solid in machine.solids} | of_dies | {_FOOT, PANEL})
+    known = sorted({solid.name for solid in machine.solids} | of_dies | {FOOT, CLAMPED_FOOT, PANEL})
     for i, pair in enumerate(machine.policy.pairs):
         named = [(f"/clearance/pairs/{i}/solids/{k}", name) for k, name in enumerate(pair)]
         yield from unknown_names(named, known, "solid")

@@ -14,7 +14,7 @@ from robots.axis_file import PrismaticFile, RevoluteFile
 from robots.definition_file import Name, SchemaVersion, Strict, Text, Vector, invalid, meters, read_definition
 from robots.dies import DieLibrary
 from robots.errors import InputProblem, InvalidInput, UnknownName
-from robots.machine import ChainJoint, ClearancePolicy, Machine
+from robots.machine import CLAMPED_FOOT, FOOT, ChainJoint, ClearancePolicy, Machine
 from robots.machine_checks import CROSS_CHECKS, machine_problems
 from robots.processes import ProcessLibrary
 from robots.shape_file import ShapeFile, SolidFile, build_solid
@@ -148,8 +148,8 @@ def load_machine(
         T_world_gantry=_translation(file.gantry_base_mm),
         solids=tuple(build_solid(solid.name, solid.link, solid.shape) for solid in file.solids),
         foot={
-            "open": build_solid("foot", file.foot.link, file.foot.open),
-            "clamped": build_solid("foot", file.foot.link, file.foot.clamped),
+            "open": build_solid(FOOT, file.foot.link, file.foot.open),
+            "clamped": build_solid(CLAMPED_FOOT, file.foot.link, file.foot.clamped),
         },
         self_pairs=tuple(file.self_pairs),
         policy=file.clearance.build(),

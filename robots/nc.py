@@ -9,6 +9,7 @@ The dataclasses hold numbers, strings and tuples only, so the generated `==` is 
 compare a program with what was read back.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -26,7 +27,7 @@ Fine = Annotated[float, Decimals(9)]  # direction cosines and matrix entries
 Plain = Annotated[float, Decimals(6)]  # the unit stands in a neighbouring field
 
 AXIS_FIELDS = ("X_mm", "Y_mm", "Z_mm", "A_deg", "B_deg", "W_mm", "C_deg")
-_SI_PER_FIELD = np.array([1e-3 if name.endswith("_mm") else np.pi / 180.0 for name in AXIS_FIELDS])
+_PER_SI = np.array([1e3 if name.endswith("_mm") else 180.0 / np.pi for name in AXIS_FIELDS])
 
 BlockKind = Literal["move", "approach", "process", "retreat", "die_change"]
 FastenerStatus = Literal["installed", "deferred_manual", "inaccessible", "excluded"]
@@ -184,14 +185,16 @@ class NcAxes:
     @staticmethod
     def of(q: Array) -> "NcAxes":
         """The axis values of configuration `q`, shape (7,), [m] or [rad], rounded as the file is."""
-        values = np.asarray(q, dtype=float) / _SI_PER_FIELD
+        values = np.asarray(q, dtype=float) * _PER_SI
         digits = (4 if name.endswith("_mm") else 6 for name in AXIS_FIELDS)
         return NcAxes(*(round(float(v), d) + 0.0 for v, d in zip(values, digits, strict=True)))
 
     @property
     def q(self) -> Array:
         """The configuration, shape (7,), order X Y Z A B W C, [m] or [rad]."""
-        return frozen(np.array([getattr(self, name) for name in AXIS_FIELDS]) * _SI_PER_FIELD)
+        # Converted as the machine file is, to the last bit: an axis at its limit must not be beyond it.
+        values = ((name, getattr(self, name)) for name in AXIS_FIELDS)
+        return frozen([v / 1e3 if name.endswith("_mm") else math.radians(v) for name, v in values])
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ from functools import cache
 from typing import Annotated, Any, Literal
 
 from robots.errors import InputProblem, InvalidInput, shown
+from robots.strict_json import parse_document
 
 _MAX_PROBLEMS = 200  # a file of another kind entirely must not give a megabyte of messages
 _MAX_NUMBER = 1e15  # beyond it a float no longer holds the digits that the formats state
@@ -76,13 +77,12 @@ def encode(value: object, *, omit: tuple[str, ...] = ()) -> str:
 
 def decode(cls: Any, text: str | bytes) -> Any:
     """Read an instance of dataclass `cls` from JSON text; raises `InvalidInput` with every problem."""
+    document = parse_document(text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text)
     problems: list[InputProblem] = []
-    data = _parse(text, problems)
-    if not problems:
-        value = _decoder(cls)(data, "", problems)
-        if not problems:
-            return value
-    raise InvalidInput(problems[:_MAX_PROBLEMS])
+    value = _decoder(cls)(document, "", problems)
+    if problems:
+        raise InvalidInput(problems[:_MAX_PROBLEMS])
+    return value
 
 
 @cache
@@ -225,28 +225,6 @@ def _read_number(value: Any, at: str, problems: list[InputProblem]) -> Any:
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= _MAX_NUMBER:
         return float(value)
     return _wrong(problems, at, "a finite number below 1e15", value)
-
-
-def _parse(text: str | bytes, problems: list[InputProblem]) -> Any:
-    doubled: list[str] = []
-
-    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(pairs)
-        if len(found) != len(pairs):
-            doubled.extend(sorted({key for key, _ in pairs if [k for k, _ in pairs].count(key) > 1}))
-        return found
-
-    try:
-        data = json.loads(text, object_pairs_hook=unique)
-    except (ValueError, RecursionError) as error:  # not JSON, not UTF-8, an integer of 5,000 digits, too deep
-        message = f"the text cannot be read as JSON: {error}"
-        problems.append(_problem("", "not_json", message, None, "Send the program as this system wrote it."))
-        return None
-    problems.extend(
-        _problem("", "doubled_field", f"the field {key!r} stands twice in one object", key, "Keep one.")
-        for key in doubled
-    )
-    return data
 
 
 @cache

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from planners.arrays import Array
 from robots.broad_phase import overlapping_boxes
 from robots.panel import Fastener, Stack
 from robots.panel_fasteners import Candidate
@@ -22,6 +23,8 @@ GRIP_TOLERANCE = 0.3e-3
 _THICKEST = 10.0
 #: Fasteners in each other beyond this number have one cause.
 _MOST_CLOSE = 1_000_000
+#: Points of a hole's rim whose stacks are compared with the one on its axis.
+_RIM = 8
 #: The process that needs nothing to join.
 DRILL_ONLY = "drill_only"
 
@@ -38,18 +41,22 @@ class _Fault:
 
 
 def stacked(
-    candidates: Sequence[Candidate], members: Members, findings: Findings
+    candidates: Sequence[Candidate], members: Members, pierced: Collection[str], findings: Findings
 ) -> tuple[tuple[Fastener, ...], tuple[Stack, ...]]:
-    """Fasteners with their grip, and their stacks; faults go to `findings`."""
+    """Fasteners with their grip, and their stacks; faults go to `findings`. pierced: parts in each other."""
     if not candidates or not members.parts:
         return (), ()
     points = np.array([c.fastener.p for c in candidates])
     normals = np.array([c.fastener.n for c in candidates])
     stacks = find_stacks(tuple(members.parts), points, normals)
+    rims = find_stacks(tuple(members.parts), *_rims(candidates, points, normals))
     faults: dict[tuple[Keys, str], list[_Fault]] = {}
     fasteners = []
-    for candidate, stack in zip(candidates, stacks, strict=True):
+    for position, (candidate, stack) in enumerate(zip(candidates, stacks, strict=True)):
         fault = _fault(candidate, stack)
+        if fault is None:
+            rim = rims[_RIM * position : _RIM * (position + 1)]
+            fault = _rim_fault(candidate, stack, rim, pierced)
         if fault is not None and (members.complete or candidate.fastener.member is not None):
             fault = replace(fault, remedy=candidate.hint + fault.remedy)
             faults.setdefault((fault.keys, fault.code), []).append(fault)
@@ -67,7 +74,7 @@ def _fault(candidate: Candidate, stack: Stack) -> _Fault | None:
     parts = ", ".join(stack.parts) or "no part"
     name, through = f"fastener {fastener.id!r}", f"it goes through {parts}"
     if fastener.member is not None and fastener.member not in stack.parts:
-        remedy = "Move the rivet line onto the foot, or skip that zone."
+        remedy = "Move the line onto the foot, skip that zone, or narrow a foot the skin curves away from."
         return _Fault(keys, "misses_member", f"{name} misses its member: {through}", fastener.id, remedy)
     if len(stack.parts) < 2 and fastener.process != DRILL_ONLY:
         remedy = f"Move it over a member, or use the process {DRILL_ONLY}."
@@ -82,6 +89,39 @@ def _fault(candidate: Candidate, stack: Stack) -> _Fault | None:
         remedy = f"Use a grip of {true} mm, or from_stack."
         return _Fault((*keys[:2], "grip_mm"), "grip_mismatch", message, stated, remedy)
     return None
+
+
+def _rims(candidates: Sequence[Candidate], points: Array, normals: Array) -> tuple[Array, Array]:
+    """Points on the rims of all holes (F * _RIM, 3), those of one hole together, and their normals."""
+    radii = np.array([0.5 * c.fastener.diameter for c in candidates])
+    least = np.eye(3)[np.abs(normals).argmin(axis=1)]  # the axis least along each normal
+    first = np.cross(normals, least)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    turns = np.linspace(0.0, 2.0 * np.pi, _RIM, endpoint=False)[:, None]
+    around = np.cos(turns) * first[:, None] + np.sin(turns) * np.cross(normals, first)[:, None]
+    rims: Array = points[:, None] + radii[:, None, None] * around
+    return rims.reshape(-1, 3), np.repeat(normals, _RIM, axis=0)
+
+
+def _rim_fault(
+    candidate: Candidate, stack: Stack, rim: Sequence[Stack], pierced: Collection[str]
+) -> _Fault | None:
+    """A hole must have the same stack all round: else it cuts a web, or runs over an edge.
+
+    Where parts pierce each other, which is reported by itself, a stack says nothing.
+    """
+    for other in rim:
+        same = set(other.parts) == set(stack.parts) and abs(other.grip - stack.grip) <= GRIP_TOLERANCE
+        if not same and not {*stack.parts, *other.parts} & set(pierced):
+            name, change = candidate.fastener.id, f"{_told(stack)} on its axis, {_told(other)} at its rim"
+            message = f"the stack changes within the hole of fastener {name!r}: {change}"
+            remedy = "Move it off the web or the edge; two diameters are the usual distance."
+            return _Fault(candidate.keys, "uneven_stack", message, name, remedy)
+    return None
+
+
+def _told(stack: Stack) -> str:
+    return f"{1000.0 * stack.grip:.2f} mm ({', '.join(stack.parts)})" if stack.parts else "no part"
 
 
 def check_spacing(candidates: Sequence[Candidate], findings: Findings) -> None:
@@ -108,12 +148,15 @@ def check_spacing(candidates: Sequence[Candidate], findings: Findings) -> None:
         )
 
 
-def check_piercing(members: Members, findings: Findings) -> None:
-    """Find parts that pierce each other, at the place of the later one."""
+def check_piercing(members: Members, findings: Findings) -> frozenset[str]:
+    """Find parts that pierce each other, at the place of the later one; return the ids of all of them."""
     parts = tuple(members.parts)
+    pierced: set[str] = set()
     for piercing in find_piercings(parts) if parts else ():
         first, second = parts[piercing.first], parts[piercing.second]
         names = f"{second.kind} {second.id!r} pierces {first.kind} {first.id!r}"
         message = f"{names} by {1000.0 * piercing.depth:.2f} mm"
         remedy = "Move or shorten one of them, or give the frame a mouse hole or a standoff."
         findings.add(members.places[second.id], "parts_pierce", message, first.id, remedy)
+        pierced |= {first.id, second.id}
+    return frozenset(pierced)

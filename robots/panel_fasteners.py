@@ -79,7 +79,7 @@ def _unique(candidates: list[Candidate], findings: Findings) -> list[Candidate]:
 def _explicit(
     entry: FastenerDefinition, members: Members, keys: Keys, findings: Findings
 ) -> Candidate | None:
-    n, length = np.array(entry.n), float(np.linalg.norm(entry.n))
+    n, length = np.array(entry.n), math.hypot(*entry.n)
     p = np.array(entry.p_mm) / 1000.0
     before = len(findings.problems)
     if not 1e-9 < length < math.inf:
@@ -109,11 +109,10 @@ def _check_normal(
     true = members.surface.normal(u, v)
     angle = math.atan2(float(np.linalg.norm(np.cross(true, n))), float(true @ n))
     if angle > OFF_NORMAL:
-        inward = angle > math.pi - OFF_NORMAL
-        hint = (
-            "It points inwards: turn it round." if inward else "Give the outward normal of the skin there: "
-        )
-        remedy = hint if inward else hint + ", ".join(f"{c:.6f}" for c in true) + "."
+        remedy = f"Give the outward normal of the skin there: {', '.join(f'{c:.6f}' for c in true)}."
+        if angle > math.pi - OFF_NORMAL:
+            remedy = "It points inwards: turn it round."
+        remedy = _unit_of_both(members, p, n) or remedy
         message = (
             f"the normal of fastener {entry.id!r} is {math.degrees(angle):.2f} degrees off that of the skin"
         )
@@ -142,6 +141,15 @@ def _unit_remedy(members: Members, p: Array) -> str:
         if (factor > 1.0 or far) and _distance(members, p * factor) <= OFF_SKIN:
             return f"The point fits when taken as {unit}: write it in millimetres."
     return "Give a point of the outer skin surface in the panel frame."
+
+
+def _unit_of_both(members: Members, p: Array, n: Array) -> str:
+    """What to do about a normal that fits the skin where the point would be in another unit; "" otherwise."""
+    for factor, unit in _UNITS:
+        there = members.surface.normal(*members.surface.locate(p * factor)[:2])
+        if _distance(members, p * factor) <= OFF_SKIN and float(there @ n) > math.cos(OFF_NORMAL):
+            return f"Point and normal fit when the point is taken as {unit}: write it in millimetres."
+    return ""
 
 
 def _row(

@@ -51,9 +51,9 @@ def _assembled(reading: Reading, findings: Findings) -> Panel | None:
     members = Builder(reading, findings).build()
     candidates = collect_fasteners(reading, members, findings)
     try:
-        fasteners, stacks = stacked(candidates, members, findings)
+        pierced = check_piercing(members, findings)
+        fasteners, stacks = stacked(candidates, members, pierced, findings)
         check_spacing(candidates, findings)
-        check_piercing(members, findings)
     except TooCrowdedError:
         message = "so many parts or fasteners lie in one place that they cannot be told apart"
         findings.add((), "too_crowded", message, definition.id, "Check positions and their units.")

@@ -72,6 +72,9 @@ def read_definition(document: Document, findings: Findings) -> Reading:
 
     Raises InvalidInput when what remains cannot be read at all.
     """
+    if "blocks" in document and "skin" not in document:
+        findings.add((), "not_a_panel", "this is an NC program, not a panel", None, "Name the panel's file.")
+        raise InvalidInput(findings.problems)
     everything = {name: list(range(_length(document.get(name)))) for name in _LISTS}
     try:
         return Reading(PanelDefinition.model_validate(document), everything, frozenset(), False, True, True)

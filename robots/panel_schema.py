@@ -8,14 +8,25 @@ the arc length across, 0 on the crown. Depths and heights are measured inwards f
 
 from __future__ import annotations
 
+import unicodedata
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
+from pydantic_core import PydanticCustomError
 
 from robots.definition_file import SchemaVersion, Strict
 from robots.sections import Profile
 
+
+def _in_one_line(text: str) -> str:
+    """Refuse what would move the cursor of whoever prints the text."""
+    if any(unicodedata.category(character) == "Cc" for character in text):
+        raise PydanticCustomError("control_character", "text should have no control characters")
+    return text
+
+
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\-]*$")]
+Title = Annotated[str, Field(max_length=200), AfterValidator(_in_one_line)]
 Direction = Literal["x", "arc"]
 Side = Literal["+x", "-x"]
 
@@ -70,7 +81,7 @@ class SectionDefinition(Strict):
     foot_mm: SectionSize
     thickness_mm: Thickness
     top_mm: SectionSize | None = None
-    line_mm: Annotated[float, Field(gt=0.0, le=600.0)] | None = Field(
+    line_mm: Annotated[float, Field(ge=1.0, le=600.0)] | None = Field(
         default=None, description="rivet line from the face of the web; null: middle of the free foot"
     )
 
@@ -212,7 +223,7 @@ class PanelDefinition(Strict):
 
     schema_version: SchemaVersion
     id: Name
-    title: Annotated[str, Field(max_length=200)] = ""
+    title: Title = ""
     surface: SurfaceDefinition = SurfaceDefinition()
     skin: SkinDefinition
     sag_mm: Annotated[float, Field(ge=0.0, le=20.0, description="own shape uncertainty")] = 0.0

@@ -68,7 +68,7 @@ class Scene:
         self._panel_index = self._add(PANEL, 0, np.eye(4), triangle_mesh(vertices, triangles))
         of_die = set(die.solid_names)
         against_panel = [Pair(solid.name, PANEL, solid.name in of_die) for solid in self.solids]
-        own = [Pair(one, other, one in of_die) for one, other in machine.self_pairs_with(die)]
+        own = [Pair(one, other, one in of_die) for one, other in machine.self_pairs_with(die, foot)]
         self.pairs = (*against_panel, *own)
         for pair in self.pairs:
             other = self._panel_index if pair.with_panel else self._index[pair.other]

@@ -29,8 +29,14 @@ def schema_problems(
     for error in errors:
         keys = _place(error, document)
         code, remedy = _CODES.get(error["type"], ("invalid_value", "Correct the value."))
-        value = None if error["type"] == "missing" else shown(error["input"])
-        message = error["msg"][0].lower() + error["msg"][1:]
+        value = (
+            None
+            if error["type"] == "missing"
+            else "null"
+            if error["input"] is None
+            else shown(error["input"])
+        )
+        message = _MESSAGES.get(error["type"]) or error["msg"][0].lower() + error["msg"][1:]
         if code == "unknown_field":
             remedy = _spelling(keys, model) or remedy
         if code == "out_of_range":
@@ -43,11 +49,10 @@ def schema_problems(
 
 
 def unit_hint(value: float, lower: float, upper: float) -> str:
-    """The remedy for a length in the wrong unit; "" when no factor of 1000 brings it into its range [mm]."""
-    if lower <= value * 1000.0 <= upper:
-        return f"It looks like metres: the field is in millimetres, {value * 1000.0:g} would fit."
-    if lower <= value / 1000.0 <= upper:
-        return f"It looks like micrometres: the field is in millimetres, {value / 1000.0:g} would fit."
+    """The remedy for a length in the wrong unit; "" when no unit brings it into its range [mm]."""
+    for factor, unit in ((1000.0, "metres"), (0.001, "micrometres"), (25.4, "inches")):
+        if value > 0.0 and lower <= value * factor <= upper:
+            return f"It looks like {unit}: the field is in millimetres, {value * factor:g} would fit."
     return ""
 
 
@@ -143,6 +148,13 @@ def _bounds_of(metadata: Iterable[Any]) -> Iterable[tuple[str, float]]:
                     yield kind, float(bound)
 
 
+#: Where pydantic's own words speak of Python.
+_MESSAGES = {
+    "dict_type": "input should be an object",
+    "model_type": "input should be an object",
+    "list_type": "input should be a list",
+}
+
 _TYPE = ("wrong_type", "Give a value of the stated type; numbers are not quoted.")
 _RANGE = ("out_of_range", "Check the value and the unit in the field's name.")
 _LENGTH = ("wrong_length", "Give the stated number of items.")
@@ -157,6 +169,7 @@ _CODES: dict[str, tuple[str, str]] = {
     "string_pattern_mismatch": _NAME,
     "string_too_short": _NAME,
     "string_too_long": ("too_long", "Shorten the text."),
+    "control_character": ("bad_text", "Write plain text in one line."),
     **dict.fromkeys(["greater_than", "greater_than_equal", "less_than", "less_than_equal"], _RANGE),
     **dict.fromkeys(["too_short", "too_long"], _LENGTH),
     **dict.fromkeys(

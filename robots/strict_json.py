@@ -16,6 +16,8 @@ from robots.errors import InputProblem, InvalidInput, shown
 
 Document = dict[str, object]
 
+#: More than any definition file needs: 50,000 fasteners take a tenth of it.
+MAX_BYTES = 100_000_000
 _MARKS = {b"\xef\xbb\xbf": "UTF-8", b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
@@ -30,7 +32,8 @@ def read_document(source: str | Path | bytes) -> Document:
     if isinstance(source, bytes):
         return parse_document(source)
     try:
-        text = Path(source).read_bytes()
+        with Path(source).open("rb") as file:
+            text = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise _whole(
@@ -39,6 +42,11 @@ def read_document(source: str | Path | bytes) -> Document:
             str(source),
             "Give the path of a readable file.",
         ) from None
+    if len(text) > MAX_BYTES:
+        message = f"the file has more than {MAX_BYTES // 10**6} MB"
+        raise _whole(
+            "file_too_large", message, str(source), "Divide the panel, or describe fasteners as rows."
+        )
     return parse_document(text)
 
 

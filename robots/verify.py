@@ -8,6 +8,7 @@ forward kinematics and its own rest-to-rest profile. It fails closed: what could
     certified   a program with proven clearances in its blocks and its certificate in place
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
@@ -19,7 +20,7 @@ from robots.nc_codec import Decimals, DecimalsDown
 from robots.nc_json import program_sha256, rounded, rounded_certificate, with_certificate
 from robots.panel import Panel
 from robots.separation import IntArray
-from robots.verify_clearance import Clearance, Covered, TooClose, cover
+from robots.verify_clearance import MOST_VIOLATIONS, Clearance, Covered, TooClose, cover
 from robots.verify_cover import SHARPNESS
 from robots.verify_fasteners import fastener_findings
 from robots.verify_inputs import input_findings, inputs_of
@@ -28,15 +29,15 @@ from robots.verify_order import order_findings
 from robots.verify_profile import rest_to_rest
 
 CHECKER = NcChecker("rivetplan-verify", "1")
-MAX_FINDINGS = 500
-"""A program for another panel altogether must not give a certificate of megabytes; the rest are counted."""
+MAX_PER_CODE = 100
+"""Findings of one code that are listed; a program for another panel must not give a huge certificate."""
 _UNREADABLE = "0" * 64
 _DOWN, _DIGITS = DecimalsDown(4), Decimals(6)  # clearances are stated as the file will hold them
 
 
 @dataclass(frozen=True, eq=False)
 class Examination:
-    """Findings in block order, proven clearance per block (None: not examined), number of poses."""
+    """Findings in block order, proven clearance per block (None: unknown or too close), poses seen."""
 
     findings: tuple[Finding, ...]
     clearances: tuple[NcClearance | None, ...]
@@ -95,7 +96,7 @@ def certificate(program: NcProgram, examination: Examination, panel: Panel, mach
         checker=CHECKER,
         result="rejected" if findings or len(proven) != len(program.blocks) else "clean",
         findings=_limited(findings),
-        min_clearance=_least(program.blocks, examination.clearances),
+        min_clearance=_least(program.blocks, examination),
         certified_blocks=len(proven),
         samples=examination.samples,
         program_sha256=identity,
@@ -132,7 +133,10 @@ def _clearance_findings(
     covered = cover(program.blocks, rows, panel, machine)
     for violation in covered.violations:
         yield _too_close(program.blocks[violation.row], violation, machine)
-    for row in rows:
+    if not covered.complete:
+        text = f"more than {MOST_VIOLATIONS} places are too close: the program was not examined any further"
+        yield Finding("not_examined", text)
+    for row in rows if covered.complete else ():
         block = program.blocks[row]
         if block.kind == "process" and int(row) not in covered.touching:
             text = f"block {block.n}: the die tip does not stand on the stack of {block.fastener_id}"
@@ -204,12 +208,16 @@ def _time(block: NcBlock, s: float) -> float:
     return min(profile.time(s), duration)
 
 
-def _least(blocks: tuple[NcBlock, ...], clearances: tuple[NcClearance | None, ...]) -> NcMinClearance | None:
-    found = [(c.min_mm, b.n, c) for b, c in zip(blocks, clearances, strict=True) if c is not None and c.pair]
-    if not found:
-        return None
-    mm, n, clearance = min(found, key=lambda entry: entry[:2])
-    return NcMinClearance(mm, clearance.pair or ("", ""), n, clearance.at_s)
+def _least(blocks: tuple[NcBlock, ...], examination: Examination) -> NcMinClearance | None:
+    """The smallest clearance of the program, violations included."""
+    stated = zip(blocks, examination.clearances, strict=True)
+    found = [NcMinClearance(c.min_mm, c.pair, b.n, c.at_s) for b, c in stated if c is not None and c.pair]
+    found += [
+        NcMinClearance(f.clearance_mm, f.pair, f.block_n, f.at_s or 0.0)
+        for f in examination.findings
+        if f.pair is not None and f.clearance_mm is not None and f.block_n is not None
+    ]
+    return min(found, key=lambda least: (least.mm, least.block_n), default=None)
 
 
 def _sorted(findings: list[Finding]) -> tuple[Finding, ...]:
@@ -218,7 +226,15 @@ def _sorted(findings: list[Finding]) -> tuple[Finding, ...]:
 
 
 def _limited(findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
-    if len(findings) <= MAX_FINDINGS:
-        return findings
-    text = f"{len(findings) - MAX_FINDINGS} more findings are not listed"
-    return (*findings[:MAX_FINDINGS], Finding("more_findings", text))
+    """The first findings of each code: a common one must not hide a rare one. The rest are counted."""
+    seen: Counter[str] = Counter()
+    listed = []
+    for finding in findings:
+        seen[finding.code] += 1
+        if seen[finding.code] <= MAX_PER_CODE:
+            listed.append(finding)
+    left = {code: count - MAX_PER_CODE for code, count in sorted(seen.items()) if count > MAX_PER_CODE}
+    if left:
+        text = "not listed: " + ", ".join(f"{count} more of {code}" for code, count in left.items())
+        listed.append(Finding("more_findings", text))
+    return tuple(listed)

@@ -12,7 +12,7 @@ import numpy as np
 
 from robots.closest import closest
 from robots.dies import TIP, Die
-from robots.machine import DIE, FootState, Machine
+from robots.machine import DIE, FOOT, FootState, Machine
 from robots.nc import NcBlock
 from robots.panel import Panel
 from robots.separation import IntArray, Mask, point_bodies
@@ -26,6 +26,8 @@ from robots.verify_pairs import Motions, Mover, Needs, OwnProblem, PanelProblem
 
 CAP = 0.05
 """[m] Clearances are stated up to this value."""
+MOST_VIOLATIONS = 1_000
+"""A program with more places that are too close than this is not examined any further."""
 TOUCH = 1e-4
 """[m] A die tip within this of the stack stands on it."""
 _FACE_ON = np.cos(np.radians(10.0))  # chords of a curved stack are tilted by a degree or two, webs by ninety
@@ -59,15 +61,17 @@ class Clearance:
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """Result of covering a program. clearances: one per block row, None for rows left out. poses: looked at.
+    """Result of covering a program. clearances: one per block row, None where left out or too close.
 
-    touching: rows of process blocks whose die tip stands on the stack.
+    poses: how many were looked at. touching: rows of process blocks whose die tip stands on the stack.
+    complete: whether everything was examined; not where there are more than MOST_VIOLATIONS.
     """
 
     violations: tuple[TooClose, ...]
     clearances: tuple[Clearance | None, ...]
     poses: int
     touching: frozenset[int]
+    complete: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,14 +109,15 @@ class _Cover:
             self._against_panel(task)
         for first, second, stated in self._own_pairs():
             self._against_own(first, second, stated)
-        covered = frozenset(self.rows.tolist())
-        clearances = tuple(
-            self._clearance(row) if row in covered else None for row in range(len(self.blocks))
-        )
-        return Covered(_worst(self.violations), clearances, self.poses, frozenset(self.touching))
+        complete = not self._hopeless
+        kept = set(self.rows.tolist()) - {found.row for found in self.violations} if complete else set()
+        clearances = tuple(self._clearance(row) if row in kept else None for row in range(len(self.blocks)))
+        touching = frozenset(self.touching)
+        return Covered(_worst(self.violations), clearances, self.poses, touching, complete)
 
-    # -- what is covered
-    # ----------------------------------------------------------------------------------------------
+    @property
+    def _hopeless(self) -> bool:
+        return len(self.violations) > MOST_VIOLATIONS
 
     def _dies(self) -> Iterator[tuple[Die, IntArray]]:
         die_ids = [self.blocks[row].die_id for row in self.rows]
@@ -154,13 +159,11 @@ class _Cover:
                         )
 
     def _named(self, name: str, fixed: list[_Task], dies: list[_Task]) -> list[_Task]:
-        return dies if name == DIE else [task for task in (*fixed, *dies) if task.solid.name == name]
-
-    # -- a solid and the panel
-    # ----------------------------------------------------------------------------------------
+        names = tuple(foot.name for foot in self.machine.foot.values()) if name == FOOT else (name,)
+        return dies if name == DIE else [task for task in (*fixed, *dies) if task.solid.name in names]
 
     def _against_panel(self, task: _Task) -> None:
-        if not len(task.rows):
+        if self._hopeless or not len(task.rows):
             return
         mover = Mover(self.kinematics, task.solid, self.motions)
         needs = Needs.of(self.machine.policy, task.solid, self.panel.sag, of_die=task.of_die)
@@ -179,9 +182,11 @@ class _Cover:
                 designed = self._designed_contact(problem, items)
                 items, need = items.take(~designed), need[~designed]
             enough = items.bound >= need
-            proven, violations, poses = prove(problem, items.take(~enough))
+            proven, violations, poses = prove(problem, items.take(~enough), MOST_VIOLATIONS)
             self.poses += poses
             self._note(task, violations, problem)
+            if self._hopeless:
+                return
             kept += [items.take(enough), proven]
         if task.stated and kept:
             self.poses += tighten(problem, len(self.names) - 1, join(kept), self.clearances)
@@ -216,11 +221,10 @@ class _Cover:
             distance = closest(tip, piece, piece.ball()[0] - tip.ball()[0]).upper
             self.touching.update(items.block[distance <= TOUCH].tolist())
 
-    # -- two solids of the machine
-    # ------------------------------------------------------------------------------------
-
     def _against_own(self, task: _Task, other: Solid, stated: bool) -> None:
         """Axes that move both solids alike do not matter, so many blocks share one motion."""
+        if self._hopeless:
+            return
         moving = [joint.index for joint in self.own_kinematics.joints[1:]]
         start, delta = (np.zeros((len(task.rows), self.motions.start.shape[1])) for _ in range(2))
         start[:, moving] = self.motions.start[task.rows][:, moving]
@@ -239,17 +243,13 @@ class _Cover:
         view = problem.view(items)
         items = items.raised(view.along(view.normals()).max(axis=1))
         enough = items.bound >= need
-        proven, violations, poses = prove(problem, items.take(~enough))
+        proven, violations, poses = prove(problem, items.take(~enough), MOST_VIOLATIONS)
         self.poses += n + poses
-        # A motion that is refuted is reported for the first block that makes it.
-        self._note(task, _in_rows(violations, task.rows[index]), problem)
+        self._note(task, _for_rows(violations, task.rows, inverse.reshape(-1)), problem)
         if stated:
             found = Clearances.unknown(n, CAP)
             self.poses += tighten(problem, len(self.names) - 2, join([items.take(enough), proven]), found)
             self.clearances.merge(found, task.rows, inverse.reshape(-1))
-
-    # -- results
-    # ------------------------------------------------------------------------------------------------------
 
     def _note(self, task: _Task, found: Violations, problem: PanelProblem | OwnProblem) -> None:
         for row, piece, s, gap, need in zip(
@@ -295,8 +295,11 @@ class _Cover:
         )
 
 
-def _in_rows(found: Violations, rows: IntArray) -> Violations:
-    return Violations(rows[found.block], found.piece, found.s, found.gap, found.need)
+def _for_rows(found: Violations, rows: IntArray, motion: IntArray) -> Violations:
+    """Violations of motions for all of `rows` that make them; `motion`: which one each row makes, (R,)."""
+    of, row = np.nonzero(found.block[:, None] == motion[None, :])
+    each = found.take(of)
+    return Violations(rows[row], each.piece, each.s, each.gap, each.need)
 
 
 def _worst(violations: Sequence[TooClose]) -> tuple[TooClose, ...]:

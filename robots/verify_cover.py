@@ -29,7 +29,7 @@ _BATCH = 20_000
 _OVERLAP = 1e-9  # [m] nearest points this close are rounding: the bodies overlap
 _SINGLE = 3  # rounds in which only the lowest item of each block is sharpened
 _SAMPLES = 33  # of a block, to find where a violation is worst
-_MEASURED = 3_000  # violations that are measured so; a program this wrong needs no more
+_MEASURED = 500  # violations that are measured so; a program this wrong needs no more
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +110,14 @@ class Violations:
     gap: Array
     need: Array
 
+    def __len__(self) -> int:
+        return len(self.block)
+
+    def take(self, which: IntArray | slice) -> "Violations":
+        """The violations at an index."""
+        block, piece, s = self.block[which], self.piece[which], self.s[which]
+        return Violations(block, piece, s, self.gap[which], self.need[which])
+
     @staticmethod
     def none() -> "Violations":
         empty, index = np.empty(0), np.empty(0, dtype=np.int64)
@@ -158,13 +166,16 @@ class Clearances:
             getattr(self, name)[rows] = getattr(found, name)[index]
 
 
-def prove(problem: Problem, items: Items) -> tuple[Items, Violations, int]:
-    """Prove or refute every item; returns the proven stretches, the violations, and the number of poses."""
+def prove(problem: Problem, items: Items, most: int) -> tuple[Items, Violations, int]:
+    """Prove or refute every item; returns the proven stretches, the violations, and the number of poses.
+
+    Gives up, with items undecided, when there are more than `most` violations.
+    """
     proven: list[Items] = [items.take(slice(0, 0))]
     refuted: list[Violations] = [Violations.none()]
     poses = 0
     stack = [items.take(slice(i, i + _BATCH)) for i in range(0, len(items), _BATCH)]
-    while stack:
+    while stack and sum(len(found) for found in refuted) <= most:
         batch = stack.pop()
         view = problem.view(batch)
         direction, distance = _nearest(view)
@@ -253,22 +264,19 @@ def _measured(view: View, which: Mask, distance: Array) -> Array:
 
 
 def _at_their_worst(problem: Problem, found: Violations) -> Violations:
-    """One violation per block and obstacle, where samples over the whole block find it worst."""
-    _, first = np.unique(np.stack([found.block, found.piece]), axis=1, return_index=True)
-    first = np.sort(first)[:_MEASURED]
+    """One violation per block and obstacle; the first ones where samples over the block find them worst."""
+    _, index = np.unique(np.stack([found.block, found.piece]), axis=1, return_index=True)
+    found = found.take(np.sort(index))
+    first, others = found.take(slice(_MEASURED)), found.take(slice(_MEASURED, None))
     n, m = len(first), _SAMPLES + 1
-    grid = np.linspace(0.0, 1.0, _SAMPLES)
-    s = np.column_stack([np.broadcast_to(grid, (n, _SAMPLES)), found.s[first]]).reshape(-1)
-    block, piece = (np.repeat(column[first], m) for column in (found.block, found.piece))
-    measured, need = np.empty(n * m), np.empty(n * m)
-    for i in range(0, n * m, _BATCH):
-        part = slice(i, i + _BATCH)
-        view = problem.view(Items(block[part], s[part], s[part], piece[part], np.zeros(len(s[part]))))
-        everything = np.ones(len(s[part]), dtype=bool)
-        measured[part] = _measured(view, everything, _nearest(view)[1])
-        need[part] = view.need_at_middle()
+    grid = np.broadcast_to(np.linspace(0.0, 1.0, _SAMPLES), (n, _SAMPLES))
+    s = np.column_stack([grid, first.s]).reshape(-1)
+    block, piece = np.repeat(first.block, m), np.repeat(first.piece, m)
+    view = problem.view(Items(block, s, s, piece, np.zeros(n * m)))
+    measured = _measured(view, np.ones(n * m, dtype=bool), _nearest(view)[1])
+    need = view.need_at_middle()
     worst = np.arange(n) * m + (measured - need).reshape(n, m).argmin(axis=1)
-    return Violations(block[worst], piece[worst], s[worst], measured[worst], need[worst])
+    return _all([Violations(block, piece, s, measured, need).take(worst), others])
 
 
 def _without(items: Items, refuted: Items) -> Items:

@@ -103,8 +103,6 @@ class Kinematics:
         delta: q1 - q0, (N, n). start, end: frames of `link` at q0 and q1. ball: centre (N, 3) and radius (N,)
         of a ball around the solid, in the link's frame.
         """
-        center, radius = ball
-        at = [np.einsum("nij,nj->ni", f.R, center) + f.t for f in (start, end)]
         travel = np.zeros(len(delta))
         straight = np.zeros((len(delta), 3))
         bound = np.zeros(len(delta))
@@ -115,12 +113,7 @@ class Kinematics:
                 continue
             travel = travel + np.linalg.norm(straight, axis=1)
             straight = np.zeros_like(straight)
-            arms = [
-                np.linalg.norm(cross(p - f.origins[i], f.axes[i]), axis=1)
-                for p, f in zip(at, (start, end), strict=True)
-            ]
-            # Any instant is within half the travel of one of the ends.
-            arm = np.maximum(*arms) + radius + 0.5 * travel
+            arm = largest_arm(i, start, end, ball, travel)
             turn = np.abs(move)
             bound += turn * (turn * arm + 2.0 * travel)
             travel = travel + turn * arm
@@ -129,6 +122,20 @@ class Kinematics:
     def _until(self, link: str) -> tuple[Joint, ...]:
         last = next(i for i, joint in enumerate(self.joints) if joint.link == link)
         return self.joints[: last + 1]
+
+
+def largest_arm(joint: int, start: Frames, end: Frames, ball: tuple[Array, Array], travel: Array) -> Array:
+    """Largest distance of a ball's points from a joint's axis anywhere on the motion, at most, (N,) [m].
+
+    travel: how far the joints beyond it move the ball, (N,): any instant is within half of it of an end.
+    """
+    center, radius = ball
+    at_ends = []
+    for frames in (start, end):
+        place = np.einsum("nij,nj->ni", frames.R, center) + frames.t
+        at_ends.append(np.linalg.norm(cross(place - frames.origins[joint], frames.axes[joint]), axis=1))
+    arm: Array = np.maximum(*at_ends) + radius + 0.5 * travel
+    return arm
 
 
 def _tool_joints(machine: Machine, chain: tuple[ChainJoint, ...], fixed: Array) -> list[Joint]:

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from planners.arrays import Array
-from robots.machine import PANEL, ClearancePolicy
+from robots.machine import ClearancePolicy
 from robots.separation import Bodies, IntArray, Mask, own_directions, point_bodies, solid_bodies
 from robots.solids import Solid
 from robots.verify_cover import RESOLUTION, Items
@@ -46,8 +46,8 @@ class Needs:
 
     @staticmethod
     def of(policy: ClearancePolicy, solid: Solid, sag: float, *, of_die: bool) -> "Needs":
-        far = policy.between(solid.name, PANEL) + sag
-        near = policy.between(solid.name, PANEL, near_fastener=True) + sag if of_die else far
+        far = policy.from_panel(solid.name, sag)
+        near = policy.from_panel(solid.name, sag, near_fastener=True) if of_die else far
         return Needs(far, near, policy.near_radius)
 
 

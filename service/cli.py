@@ -4,7 +4,10 @@ Exit codes: 0 done (also where some fasteners were refused with a reason), 1 a p
 verifier, 2 the input cannot be used.
 """
 
+import errno
+import io
 import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -57,6 +60,9 @@ def plan(
     out: Annotated[
         Path | None, typer.Option(help="The program. [default: PANEL.nc.json in this directory]")
     ] = None,
+    report: Annotated[
+        Path | None, typer.Option(help="A report in Markdown: figures, refusals, every searched link.")
+    ] = None,
     workers: Annotated[
         int | None,
         typer.Option(min=1, max=64, help="Planning processes; the result is the same. [default: one a core]"),
@@ -70,8 +76,9 @@ def plan(
         lambda: command.plan(
             panel,
             out or Path(f"{panel.stem}.nc.json"),
+            report_file=report,
             machine=machine,
-            dies=[name for names in die for name in names.split(",")] if die else None,
+            dies=[name.strip() for names in die for name in names.split(",")] if die else None,
             seed=seed,
             workers=workers or os.cpu_count() or 1,
             quiet=quiet,
@@ -126,9 +133,28 @@ def _or_exit(work: Callable[[], T]) -> T:
         raise typer.Exit(UNUSABLE) from None
 
 
+def _make_streams_usable() -> None:
+    """Let a closed stream swallow what is written, and a terminal without umlauts get their codes."""
+    for name in ("stdin", "stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            nowhere = os.open(os.devnull, os.O_RDWR)  # the lowest free number: the one that is closed
+            setattr(sys, name, os.fdopen(nowhere, "r" if name == "stdin" else "w", encoding="utf-8"))
+        elif name != "stdin" and isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
 def main() -> None:
     """Run the command line; what the console script calls."""
-    app()
+    _make_streams_usable()
+    try:
+        app()
+    except OSError as error:
+        if error.errno != errno.ENOSPC or error.filename is not None:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left to flush goes there
+        typer.echo("stdout: cannot be written: there is no space left.", err=True)
+        sys.exit(UNUSABLE)
 
 
 if __name__ == "__main__":

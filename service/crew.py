@@ -10,6 +10,7 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -29,6 +30,10 @@ class RunTask:
     die_id: str
     indices: tuple[int, ...]
     before: int | None
+
+
+class CrewLost(Exception):
+    """A planning process was ended from outside, or for want of memory."""
 
 
 class Workplace:
@@ -82,14 +87,20 @@ class Crew:
             self._pool.shutdown(wait=True, cancel_futures=True)
 
     def plan(self, tasks: Sequence[RunTask]) -> Iterator[Run]:
-        """The runs of `tasks`, in their order, each as soon as it and those before it are done."""
+        """The runs of `tasks`, in their order, each as soon as it and those before it are done.
+
+        Raises CrewLost when a process of the crew ends.
+        """
         if self._pool is None:
             yield from (self.here.plan(task, self._stop) for task in tasks)
             return
-        for run in self._pool.map(_plan_in_worker, tasks):
-            if self._stop():
-                raise Cancelled
-            yield run
+        try:
+            for run in self._pool.map(_plan_in_worker, tasks):
+                if self._stop():
+                    raise Cancelled
+                yield run
+        except BrokenProcessPool:
+            raise CrewLost from None
 
 
 _workplace: Workplace | None = None

@@ -44,7 +44,7 @@ def plan_shell(panel_file: Path, program_file: Path) -> bool:
         )
     report_file = program_file.with_suffix("").with_suffix(".report.md")
     write(program_file, to_json(programmed.program))
-    write(report_file, report(programmed.program, programmed.statistics.seconds).encode())
+    write(report_file, report(programmed.program, programmed.statistics).encode())
     print_program(f"{programmed.program.header.title}: {program_file}, {report_file}", programmed.program)
     print("Verifying the written file ...", flush=True)
     return subprocess.run([*_RIVETPLAN, "verify", program_file, panel_file], check=False).returncode == 0

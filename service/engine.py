@@ -11,6 +11,7 @@ from service.settings import Settings
 from service.worker import Worker, WorkerLost
 
 _LOG = logging.getLogger("rivetplan.service")
+_AGAIN = "Send it again: another process takes over. If it ends as well, report the panel."
 
 
 class Engine(Protocol):
@@ -84,7 +85,7 @@ class ProcessEngine:
             self._replace(worker)
             _LOG.error("a worker process ended while it computed a %s", task)
             raise ProblemError(
-                problem("worker_lost", "The process that computed this request ended.")
+                problem("worker_lost", "The process that computed this request ended.", remedy=_AGAIN)
             ) from None
         except asyncio.CancelledError:  # the client has gone
             self._replace(worker)
@@ -103,12 +104,17 @@ class ProcessEngine:
                     "Too many requests wait.",
                     count=self._waiting,
                     limit=self._settings.max_waiting,
+                    remedy=f"Send it again in {self._settings.retry_after_s} s.",
                 ),
                 {"Retry-After": str(self._settings.retry_after_s)},
             )
         self._waiting += 1
         try:
             worker = await self._idle.get()
+            while worker is not None and not worker.is_alive:  # it ended while nobody needed it
+                _LOG.error("an idle worker process ended")
+                self._replace(worker)
+                worker = await self._idle.get()
         finally:
             self._waiting -= 1
         if worker is None:

@@ -5,7 +5,11 @@ from pathlib import Path
 
 
 def write_atomically(path: Path, data: bytes) -> None:
-    """Write `data` to `path` so that a reader sees the old file or the new one, also after a power cut."""
+    """Write `data` to `path` so that a reader sees the old file or the new one, also after a power cut.
+
+    A symbolic link stays one: the file it names is written.
+    """
+    path = path.resolve()
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         with temporary.open("xb") as file:

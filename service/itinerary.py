@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
-from planners.arrays import frozen
 from robots.cell import Cell
 from robots.links import Link, LinkFinder, is_cancelled
 from robots.panel import Panel
 from robots.stations import Refusal, explained
 from service.die_pass import Cancelled, Run, Stop, refusal_of
+
+HOME = "home"
+"""Where every pass begins and ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +37,16 @@ class Itinerary:
     @property
     def links(self) -> Iterator[Link]:
         """Every link that is travelled."""
+        return (link for _, _, link in self.named_links())
+
+    def named_links(self) -> Iterator[tuple[str, str, Link]]:
+        """Every link that is travelled, with the fastener it leaves and the one it leads to, or `HOME`."""
         for each in self.passes:
-            yield from (stop.link for stop in each.stops if stop.link is not None)
-            yield each.way_home
+            leaves = HOME
+            for stop in each.stops:
+                yield leaves, stop.station.fastener.id, _linked(stop)
+                leaves = stop.station.fastener.id
+            yield leaves, HOME, each.way_home
 
     @property
     def installed(self) -> frozenset[int]:
@@ -61,7 +68,8 @@ class Itinerary:
     def join(self, die_id: str, runs: Iterable[Run], finder: LinkFinder, stop: Callable[[], bool]) -> None:
         """Make one pass of `runs`: link each run to the one before, the first and the last one to home.
 
-        A first stop of a run that cannot be reached is refused, and the next one is tried.
+        A first stop of a run that cannot be reached is refused, and the next one is tried; likewise a last
+        stop from which home cannot be reached, and the one before it.
         """
         stops: list[Stop] = []
         for run in runs:
@@ -75,45 +83,36 @@ class Itinerary:
                 broken = each.link is None
                 if not broken:
                     stops.append(each)
-        if stops:
-            self.passes.append(DiePass(die_id, tuple(stops), _way_home(stops, finder, stop)))
+        way_home = self._way_home(stops, finder, stop)
+        if way_home is not None:
+            self.passes.append(DiePass(die_id, tuple(stops), way_home))
 
     def _link_to(
         self, goal: Stop, stops: list[Stop], finder: LinkFinder, stop: Callable[[], bool]
     ) -> Link | None:
-        """The link to `goal` from the last of `stops`, or from home; None, with the refusal kept, where there
-        is none.
-        """
+        """The link to `goal` from the last of `stops` or from home; None, and `goal` refused, without one."""
         if stops:
-            link = finder.between(stops[-1].station, goal.station, stop)
-        else:
-            link = finder.from_home(goal.station, stop)
+            return self._found(goal, finder.between(stops[-1].station, goal.station, stop))
+        return self._found(goal, finder.from_home(goal.station, stop))
+
+    def _way_home(self, stops: list[Stop], finder: LinkFinder, stop: Callable[[], bool]) -> Link | None:
+        """From the last stop to home; stops without a way home are taken off. None if none is left."""
+        while stops:
+            link = self._found(stops[-1], finder.to_home(stops[-1].station, stop))
+            if link is not None:
+                return link
+            stops.pop()
+        return None
+
+    def _found(self, at: Stop, link: Link) -> Link | None:
+        """The link if it was found; else None, with the fastener of `at` refused for want of it."""
         if link.ok:
             return link
         if is_cancelled(link):
             raise Cancelled
-        self.refuse(goal.index, refusal_of(link, goal.station))
+        self.refuse(at.index, refusal_of(link, at.station))
         self.failures.append(link)
         return None
-
-
-def _way_home(stops: list[Stop], finder: LinkFinder, stop: Callable[[], bool]) -> Link:
-    """From the last stop to home; where that is not found, back along the links already proved, as far as
-    needed.
-
-    The first stop was reached from home, so there always is a way.
-    """
-    back: list[Link] = []
-    for each in reversed(stops):
-        link = finder.to_home(each.station, stop)
-        if is_cancelled(link):
-            raise Cancelled
-        if link.ok:
-            return replace(
-                link, waypoints=frozen(np.vstack([*(b.waypoints[:0:-1] for b in back), link.waypoints]))
-            )
-        back.append(_linked(each))
-    return replace(back[-1], waypoints=frozen(np.vstack([b.waypoints[::-1] for b in back])))
 
 
 def _linked(stop: Stop) -> Link:

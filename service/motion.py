@@ -19,7 +19,8 @@ from robots.machine import Machine
 from robots.nc import NcAxes
 from robots.panel import Panel
 from robots.riveter_search import planner_settings
-from robots.stations import Refusal, find_station
+from robots.stations import Refusal, explained, find_station
+from service.reasons import reason_for
 
 End = str | Array
 """A fastener's id (its open pose is meant) or a configuration (n,)."""
@@ -118,7 +119,8 @@ class _Ends:
                 if not isinstance(station, Refusal):
                     return station.opened
                 remedy = "Use another die, or give the pose by its axes."
-                text = f"die {self._cell.die.id} has no free pose at this fastener"
+                _, why = reason_for(fastener, [explained(station, self._cell, fastener)])
+                text = f"die {self._cell.die.id} has no free pose at this fastener: {why.text}"
                 self._add(f"{at}/fastener_id", "fastener_inaccessible", text, fastener_id, remedy)
                 return self._cell.machine.home
         text = f"panel {panel.id} has no fastener of this id"

@@ -30,11 +30,10 @@ def _refuse_wrong_end(motion: MotionResult) -> None:
     end = _WRONG_ENDS.get(motion.status)
     if end is not None:
         found = _blocking(motion.blockage)
-        what = (
-            f"the {end} has too little clearance"
-            if found is None
-            else f"{found.solid} and {found.part} are {found.gap_mm} mm apart and need {found.needs_mm} mm"
-        )
+        what = f"the {end} has too little clearance"
+        if found is not None:
+            gap = f"{found.gap_mm:.1f} mm apart" if found.gap_mm > 0.0 else "in collision"
+            what = f"{found.solid} and {found.part} are {gap}, {found.needs_mm:.1f} mm are needed"
         remedy = "Move that end clear, or use another die."
         raise InvalidInput([InputProblem(f"/{end}", f"{end}_in_collision", what, None, remedy)])
 

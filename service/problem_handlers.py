@@ -25,6 +25,10 @@ _REMEDIES: Mapping[str, str] = {
     "missing": "Add it.",
     "extra_forbidden": "Remove it or correct its name.",
 }
+#: The same for messages, where pydantic's own words speak of Python.
+_MESSAGES: Mapping[str, str] = dict.fromkeys(
+    ["model_type", "model_attributes_type", "dict_type"], "Input should be an object"
+) | {"list_type": "Input should be an array"}
 _REMEDY = "Send a value as /openapi.json describes it."
 
 
@@ -110,13 +114,17 @@ def _methods_at(request: Request, error: HTTPException) -> set[str]:
 def _field_problems(errors: Sequence[Any], body: object) -> Iterator[InputProblem]:
     for error in errors:
         place, *path = error["loc"]
-        at = _pointer(path, body) if place == "body" else str(path[-1])
-        remedy = _REMEDIES.get(error["type"], _REMEDY)
-        yield InputProblem(at, error["type"], error["msg"], None, remedy)
+        kind = error["type"]
+        at = _pointer(path, body, missing=kind == "missing") if place == "body" else str(path[-1])
+        value = None if kind == "missing" else error["input"]
+        yield InputProblem(at, kind, _MESSAGES.get(kind, error["msg"]), value, _REMEDIES.get(kind, _REMEDY))
 
 
-def _pointer(path: Sequence[str | int], body: object) -> str:
-    """Return the JSON pointer of a pydantic location, leaving out the names of union members in it."""
+def _pointer(path: Sequence[str | int], body: object, *, missing: bool) -> str:
+    """Return the JSON pointer of a pydantic location, leaving out the names of union members in it.
+
+    missing: the last step is not in the body.
+    """
     at = ""
     for place, step in enumerate(path):
         is_member = isinstance(body, dict) and step in body
@@ -124,6 +132,6 @@ def _pointer(path: Sequence[str | int], body: object) -> str:
         if is_member or is_item:
             body = body[step]  # type: ignore[index]
             at = pointer(at, str(step))
-        elif place == len(path) - 1:
+        elif missing and place == len(path) - 1:
             at = pointer(at, str(step))
     return at

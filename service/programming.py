@@ -6,16 +6,19 @@ they are given. So an offset die that only some places need costs one die change
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
 
 from planners.detector import never
+from planners.result import PlanResult
+from robots.cell import Cell
 from robots.dies import Die
 from robots.errors import InputProblem, InvalidInput
-from robots.links import Link, LinkFinder
-from robots.machine import Machine
+from robots.links import LinkFinder
+from robots.machine import Axis, Machine
 from robots.nc import NcProgram
 from robots.panel import Panel
 from robots.riveter_search import Heuristics
@@ -42,13 +45,12 @@ class ProgressEvent:
 
 @dataclass
 class Statistics:
-    """What the program cost: wall-clock seconds by phase, and all searched links. For reports; never in the
-    program.
+    """What the program cost: wall-clock seconds by phase, and the search of every link with where it leaves
+    and leads to. For reports; never in the program.
     """
 
     seconds: dict[str, float] = field(default_factory=dict)
-    links: tuple[Link, ...] = ()
-    failures: tuple[Link, ...] = ()
+    links: tuple[tuple[str, str, PlanResult], ...] = ()
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
@@ -82,15 +84,17 @@ def program_panel(
 ) -> ProgrammedPanel:
     """Plan, time and verify the program of `panel`.
 
-    dies: in the order they are tried. seed: same input and seed, same bytes, on any number of `workers`.
-    progress: told how far each phase is. Raises `die_pass.Cancelled` when `stop` says so, InvalidInput where
-    the machine's home pose is in collision with the panel.
+    dies: in the order they are tried, at least one. seed: same input and seed, same bytes, on any number of
+    `workers`. progress: told how far each phase is. Raises `die_pass.Cancelled` when `stop` says so,
+    InvalidInput where the machine's home pose is in collision with the panel, ValueError without a die.
     """
+    if not dies:
+        raise ValueError("a program needs at least one die")
     statistics = Statistics()
     tell = progress or (lambda _: None)
     with statistics.phase("plan"):
         itinerary = _plan(panel, machine, dies, seed, workers, tell, stop, heuristics)
-    statistics.links, statistics.failures = tuple(itinerary.links), tuple(itinerary.failures)
+    statistics.links = tuple((leaves, leads, link.result) for leaves, leads, link in itinerary.named_links())
     with statistics.phase("write"):
         program = write_program(panel, machine, dies, itinerary, seed)
     with statistics.phase("verify"):
@@ -114,7 +118,7 @@ def _plan(
     with Crew(machine, panel, heuristics, seed, workers, stop) as crew:
         for die in dies:
             cell = crew.here.cell(die.id)
-            require_free_home(cell.link_space([machine.home]).is_free(machine.home), panel, machine)
+            require_free_home(cell)
             tasks = _tasks(panel, die, itinerary.installed)
             runs = _counted(crew.plan(tasks), tasks, f"plan {die.id}", tell)
             itinerary.join(die.id, runs, LinkFinder(cell, heuristics, seed), stop)
@@ -144,19 +148,30 @@ def _counted(runs: Iterator[Run], tasks: Sequence[RunTask], phase: str, tell: Pr
         tell(ProgressEvent(phase, done, total))
 
 
-def require_free_home(free: bool, panel: Panel, machine: Machine) -> None:
-    """Raise InvalidInput unless the machine's home pose is free of the panel."""
-    if free:
+def require_free_home(cell: Cell) -> None:
+    """Raise InvalidInput unless the machine's home pose, with the cell's die, is free of the panel."""
+    machine = cell.machine
+    if cell.link_space([]).is_free(machine.home):
         return
-    values = ", ".join(f"{axis.name} {axis.home:g}" for axis in machine.axes)
+    closest = cell.closest(machine.home, near_fastener=False)
+    gap = "in collision" if closest.gap <= 0.0 else f"{1e3 * closest.gap:.1f} mm apart"
+    where = f"{closest.solid} and {closest.other} are {gap}, {1e3 * closest.needed:.1f} mm are needed"
+    if closest.lack < 0.0:  # far from every surface and not free all the same
+        where = "a solid of the machine is inside a part of the panel"
     raise InvalidInput(
         [
             InputProblem(
                 "/mounting",
                 "home_in_collision",
-                f"panel {panel.id} is in collision with machine {machine.id} at its home position",
-                values,
+                f"panel {cell.panel.id} is in the way of machine {machine.id} at its home position: {where}",
+                ", ".join(_shown(axis) for axis in machine.axes),
                 "Mount the panel clear of the home position, or give the machine another home.",
             )
         ]
     )
+
+
+def _shown(axis: Axis) -> str:
+    prismatic = axis.kind == "prismatic"
+    scale, unit = (1e3, "mm") if prismatic else (180.0 / math.pi, "deg")
+    return f"{axis.name} {round(scale * axis.home, 4):g} {unit}"

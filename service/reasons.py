@@ -53,6 +53,12 @@ def _blocked(refusal: Refusal) -> NcReason:
     angle = (
         "" if refusal.die_angle is None else f" at its best angle {math.degrees(refusal.die_angle):.0f} deg"
     )
+    if blockage.lack <= 0.0:
+        # Every gap alone is wide enough: a solid is inside a thick part, or the proof ends at its resolution.
+        text = (
+            f"with die {refusal.die_id}{angle}, {blockage.solid} cannot be proved clear of {blockage.other}"
+        )
+        return _with_blockage("die_blocked", text, refusal)
     gap = f"{_MM * blockage.gap:.1f} mm apart" if blockage.gap > 0.0 else "in collision"
     text = (
         f"with die {refusal.die_id}{angle}, {blockage.solid} and {blockage.other} are {gap}, "

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 
 def _whole(value: object) -> object:
@@ -48,6 +48,21 @@ class AtFastener(Strict):
     fastener_id: Name
 
 
+#: Kinds of ends; never the name of a member, so that they are told apart in pydantic's locations.
+_FASTENER, _AXES = "a fastener", "axis values"
+
+
+def _kind_of_end(value: object) -> str:
+    """Tell which kind of end is meant, so that only that one's problems are reported."""
+    has_axes = isinstance(value, AtAxes) or (isinstance(value, dict) and "axes" in value)
+    return _AXES if has_axes else _FASTENER
+
+
+End = Annotated[
+    Annotated[AtFastener, Tag(_FASTENER)] | Annotated[AtAxes, Tag(_AXES)], Discriminator(_kind_of_end)
+]
+
+
 class ProgramRequest(Strict):
     """A panel's NC program is wanted."""
 
@@ -68,8 +83,8 @@ class MotionRequest(Strict):
     panel: PanelDocument
     machine: Name = Field(default="riveter", description="id of a machine, see /v1/machines")
     die: Name = Field(description="id of the die in the machine")
-    start: AtFastener | AtAxes
-    goal: AtFastener | AtAxes
+    start: End
+    goal: End
     seed: Seed = Field(default=0, description="same input and seed, same motion")
 
 

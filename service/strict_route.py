@@ -6,6 +6,7 @@ from typing import Any
 
 from fastapi import Request, Response
 from fastapi.routing import APIRoute
+from starlette.requests import ClientDisconnect
 
 from robots.errors import InputProblem, InvalidInput
 from service.errors import ProblemError, problem
@@ -62,18 +63,27 @@ def _check_media_type(request: Request) -> None:
     if media_type.strip().lower() != "application/json" or charset not in ("", "utf-8"):
         remedy = "Send Content-Type: application/json, encoded as UTF-8."
         raise ProblemError(problem("unsupported_media_type", "Only JSON is read here.", remedy=remedy))
+    encoding = request.headers.get("content-encoding", "identity")
+    if encoding.strip().lower() != "identity":
+        remedy = "Send the JSON as it is, without Content-Encoding."
+        raise ProblemError(
+            problem("unsupported_media_type", "No compressed body is read here.", remedy=remedy)
+        )
 
 
 async def _body(request: Request, limit: int) -> bytes:
     """Read the body; one beyond the limit is not kept, only read on for a while."""
     chunks: list[bytes] = []
     size = 0
-    async for chunk in request.stream():
-        size += len(chunk)
-        if size <= limit:
-            chunks.append(chunk)
-        elif size > _DRAINED * limit:
-            break
+    try:
+        async for chunk in request.stream():
+            size += len(chunk)
+            if size <= limit:
+                chunks.append(chunk)
+            elif size > _DRAINED * limit:
+                break
+    except ClientDisconnect:
+        raise ClientGone from None
     if size > limit:
         detail = f"The body has more than {limit} bytes."
         remedy = "Describe fasteners as rows, or use `rivetplan plan` on the command line."

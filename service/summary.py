@@ -1,9 +1,11 @@
 """What a program comes to, as rows for a table and as a report to keep."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Sequence
 
+from planners.result import PlanResult
 from robots.nc import Certificate, NcFastener, NcProgram
 from robots.nc_json import program_sha256
+from service.programming import Statistics
 
 Row = tuple[str, str]
 
@@ -61,9 +63,9 @@ def refusals(program: NcProgram) -> list[Row]:
     return [(fastener.id, _reason(fastener)) for fastener in _refused(program)]
 
 
-def report(program: NcProgram, seconds: Mapping[str, float]) -> str:
-    """Return a report in Markdown. seconds: wall-clock time of each phase of the planning [s]."""
-    timing = [(phase, f"{spent:.1f} s") for phase, spent in seconds.items()]
+def report(program: NcProgram, statistics: Statistics) -> str:
+    """Return a report in Markdown: the program's figures, what planning it cost, and every searched link."""
+    timing = [(phase, f"{spent:.1f} s") for phase, spent in statistics.seconds.items()]
     search = [(row.name, f"{row.count}") for row in program.summary.search]
     parts = [
         f"# {program.header.title}\n",
@@ -77,6 +79,9 @@ def report(program: NcProgram, seconds: Mapping[str, float]) -> str:
     refused = refusals(program)
     if refused:
         parts += ["\n## Fasteners that are not installed\n", _markdown(("fastener", "reason"), refused)]
+    searched = [_search_row(*link) for link in statistics.links if link[2].origin != "direct"]
+    if searched:
+        parts += ["\n## Searched links\n", _markdown(_SEARCH_HEAD, searched)]
     return "\n".join(parts) + "\n"
 
 
@@ -88,9 +93,27 @@ def _reason(fastener: NcFastener) -> str:
     return f"{fastener.status}: {fastener.reason.text}" if fastener.reason else fastener.status
 
 
-def _markdown(head: Row, rows: Iterable[Row]) -> str:
-    lines = [head, ("---", "---"), *((name.strip(), value) for name, value in rows)]
-    return "\n".join(f"| {name} | {value} |" for name, value in lines)
+_SEARCH_HEAD = (
+    "from", "to", "found by", "search ms", "computation ms", "detection ms", "smoothing ms", "configurations",
+    "setpoint", "gradient", "random", "detections", "after smoothing",
+)  # fmt: skip
+
+
+def _search_row(leaves: str, leads: str, result: PlanResult) -> tuple[str, ...]:
+    """The rows of Graux 1992, Tables 1 and 2, for one link."""
+    times, counts = result.times, result.counts
+    spent = (times.search, times.computation, times.detection, times.smoothing)
+    counted = (
+        counts.configurations, counts.setpoint, counts.gradient, counts.random, counts.detections,
+        counts.after_smoothing,
+    )  # fmt: skip
+    milliseconds = (f"{1000.0 * seconds:.1f}" for seconds in spent)
+    return (leaves, leads, result.origin, *milliseconds, *(str(count) for count in counted))
+
+
+def _markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *([cell.strip() for cell in row] for row in rows)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def _percent(part: int, whole: int) -> str:

@@ -39,6 +39,11 @@ class Worker:
         self._process.start()
         theirs.close()  # so that the end of the child is the end of the pipe
 
+    @property
+    def is_alive(self) -> bool:
+        """Whether the process runs."""
+        return self._process.is_alive()
+
     def wait_until_ready(self) -> None:
         """Block until the process has imported its tasks; raise WorkerLost where it cannot."""
         self._receive()

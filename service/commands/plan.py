@@ -6,8 +6,10 @@ from pathlib import Path
 
 from robots.nc_json import to_json
 from service.commands.reading import Unusable, as_lines, read_inputs
+from service.crew import CrewLost
 from service.files import write_atomically
 from service.programming import program_panel
+from service.summary import report
 from service.terminal import print_program, progress_bar
 
 
@@ -15,6 +17,7 @@ def plan(
     panel_file: Path,
     target: Path,
     *,
+    report_file: Path | None,
     machine: str,
     dies: Sequence[str] | None,
     seed: int,
@@ -25,14 +28,20 @@ def plan(
 
     A program with findings is written too: they are in it, and are needed to see why. Raises Unusable.
     """
-    _check_target(target)
+    _check_targets(panel_file, target, report_file)
     inputs = read_inputs(panel_file, machine, dies)
     with as_lines(f"{panel_file}#"), progress_bar(quiet=quiet) as progress:
-        programmed = program_panel(
-            inputs.panel, inputs.machine, inputs.dies, seed=seed, workers=workers, progress=progress
-        )
+        try:
+            programmed = program_panel(
+                inputs.panel, inputs.machine, inputs.dies, seed=seed, workers=workers, progress=progress
+            )
+        except CrewLost:
+            why = "a planning process was ended from outside, perhaps for want of memory"
+            raise Unusable([f"{panel_file}: {why}. Try again with fewer --workers."]) from None
     program = programmed.program
     write(target, to_json(program))
+    if report_file is not None:
+        write(report_file, report(program, programmed.statistics).encode())
     if not quiet:
         print_program(f"{program.header.title}: {target}", program)
     return program.verification is not None and program.verification.result == "clean"
@@ -46,9 +55,23 @@ def write(target: Path, data: bytes) -> None:
         raise Unusable([f"{target}: cannot be written: {error.strerror}."]) from None
 
 
+def _check_targets(panel_file: Path, program_file: Path, report_file: Path | None) -> None:
+    """Find out before minutes of planning whether what is made can be written, and over nothing else."""
+    taken = {panel_file.resolve(): "the panel"}
+    for file, what in ((program_file, "the program"), (report_file, "the report")):
+        if file is None:
+            continue
+        _check_target(file)
+        if file.resolve() in taken:
+            raise Unusable([f"{file}: {what} would replace {taken[file.resolve()]}. Name another file."])
+        taken[file.resolve()] = what
+
+
 def _check_target(target: Path) -> None:
-    """Find out before minutes of planning whether the program can be written."""
     if target.is_dir():
         raise Unusable([f"{target}: is a directory. Name a file."])
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise Unusable([f"{target.parent}: no file can be written there. Make it or name another."])
+    if target.exists() and not target.is_file():
+        raise Unusable([f"{target}: is a device or a pipe, which a file would replace. Name a file."])
+    directory = target.resolve().parent if target.is_symlink() else target.parent
+    if not os.access(directory, os.W_OK | os.X_OK):
+        raise Unusable([f"{directory}: no file can be written there. Make it or name another."])

@@ -12,6 +12,9 @@ from robots.errors import InputProblem, InvalidInput
 from robots.strict_json import read_document
 from service.inputs import Inputs, Places, gather
 
+#: The program of the largest panel there may be, 50,000 fasteners, takes half of it.
+_MOST_BYTES = 400_000_000
+
 
 class Unusable(Exception):
     """The input cannot be used; `lines` says why, one problem each."""
@@ -25,18 +28,23 @@ def read_inputs(panel_file: Path, machine: str, dies: Sequence[str] | None) -> I
     """Read a panel file; `machine` is an id, or a definition file where it ends in .json. Raises Unusable."""
     with as_lines(f"{panel_file}#"):
         document = read_document(panel_file)
-    where = Path(machine) if machine.endswith(".json") else machine
-    places = Places(panel=f"{panel_file}#", machine="--machine", dies="--die")
+    is_file = machine.endswith(".json")
+    where = Path(machine) if is_file else machine
+    places = Places(panel=f"{panel_file}#", machine=f"{machine}#" if is_file else "--machine", dies="--die")
     with as_lines(""):
         return gather(document, where, dies, places)
 
 
 def read(file: Path) -> bytes:
-    """Return the bytes of a file. Raises Unusable."""
+    """Return the bytes of a program file. Raises Unusable."""
     try:
-        return file.read_bytes()
+        with file.open("rb") as opened:
+            data = opened.read(_MOST_BYTES + 1)
     except OSError as error:
-        raise Unusable([f"{file}: cannot be read: {error.strerror}."]) from None
+        raise Unusable([f"{file}: cannot be read: {error.strerror}. Name a readable file."]) from None
+    if len(data) > _MOST_BYTES:
+        raise Unusable([f"{file}: has more than {_MOST_BYTES // 10**6} MB. Name a program's file."])
+    return data
 
 
 @contextmanager

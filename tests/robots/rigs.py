@@ -67,7 +67,8 @@ def refusal(where: Cell, index: int, came_from: Array | None = None, angle: floa
 def bottle(*more: Fastener) -> Panel:
     """A fastener "inside" over a plate that leaves a hole just for the neck of the offset die at -90 degrees.
 
-    The die fits there, and has no way in or out: a ship in a bottle. `more` fasteners stand on the stringer.
+    The die fits there, and has no way in or out: a ship in a bottle. `more` fasteners on the skin come
+    before it.
     """
     plate = part(
         "plate",
@@ -77,9 +78,7 @@ def bottle(*more: Fastener) -> Panel:
         ((186, -290, -45), (214, -199, -32)),
         ((186, -171, -45), (214, -60, -32)),
     )
-    panel = flat_crossing((plate,))
-    inside = fastener("inside", 200.0, -150.0)
-    return with_fasteners(panel, (*more, inside), *(panel.stacks[0] for _ in more), SKIN_ONLY)
+    return with_fasteners(flat_crossing((plate,)), (*more, fastener("inside", 200.0, -150.0)), SKIN_ONLY)
 
 
 def on_surface(panel: Panel, *places: tuple[float, float]) -> Panel:
@@ -96,15 +95,15 @@ def on_surface(panel: Panel, *places: tuple[float, float]) -> Panel:
 
 @cache
 def wide_shell() -> Panel:
-    """A skin 3.6 m wide around a radius of 1.975 m, with one stringer near its edge."""
+    """A skin 2.7 m wide around a radius of 1.975 m, with one stringer near its edge."""
     return load_panel(
         {
             "schema_version": "1.0",
             "id": "wide",
             "surface": {"section_radius_mm": 1975.0},
-            "skin": {"length_mm": 300.0, "width_mm": 3600.0, "thickness_mm": 1.6},
+            "skin": {"length_mm": 300.0, "width_mm": 2700.0, "thickness_mm": 1.6},
             "sections": {"Z30": Z30},
-            "stringers": [{"id": "S1", "section": "Z30", "arc_mm": 1500.0}],
+            "stringers": [{"id": "S1", "section": "Z30", "arc_mm": 1320.0}],
             "rows": [{"id": "R", "members": ["S1"], "count": 2, **RIVET}],
         }
     )

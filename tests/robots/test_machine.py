@@ -114,7 +114,7 @@ def test_an_assembly_is_fixed_part_foot_and_die() -> None:
     names = [solid.name for solid in RIVETER.assembly(die, "clamped")]
 
     assert names == [
-        *("head_body", "upper_arm", "back_column", "lower_arm", "die_column", "slide", "foot"),
+        *("head_body", "upper_arm", "back_column", "lower_arm", "die_column", "slide", "clamped_foot"),
         *("tip", "arm", "neck", "shank"),
     ]
     assert RIVETER.assembly(die, "clamped")[6] is RIVETER.foot["clamped"]
@@ -150,8 +150,9 @@ def test_clearance_policy_is_that_of_the_contract() -> None:
 
     assert policy.between("shank", "panel") == 0.002
     assert policy.between("shank", "panel", near_fastener=True) == 0.001
-    assert policy.between("foot", "panel") == 0.0002
-    assert policy.between("panel", "foot", near_fastener=True) == 0.0002
+    assert policy.between("clamped_foot", "panel") == 0.0002
+    assert policy.between("panel", "clamped_foot", near_fastener=True) == 0.0002
+    assert policy.between("foot", "panel") == 0.002
     assert policy.near_radius == 0.040
     assert policy.contact_depth == 0.0001
     assert policy.sag == 0.0
@@ -231,7 +232,7 @@ def test_a_machine_crosses_processes_with_the_same_hash() -> None:
     assert copy.sha256 == RIVETER.sha256
     assert copy.dies.sha256 == RIVETER.dies.sha256
     np.testing.assert_array_equal(copy.home, RIVETER.home)
-    assert copy.policy.between("foot", "panel") == 0.0002
+    assert copy.policy.between("clamped_foot", "panel") == 0.0002
 
 
 def test_the_hash_is_of_the_definition() -> None:
@@ -291,3 +292,19 @@ def test_an_error_without_a_problem_is_a_programming_mistake() -> None:
 )
 def test_a_value_is_shown_in_a_form_fit_for_json(value: object, expected: object) -> None:
     assert shown(value) == expected
+
+
+def test_sag_adds_to_panel_clearances_but_not_to_a_stated_pair() -> None:
+    policy = RIVETER.policy
+
+    assert policy.from_panel("shank", 0.0005) == pytest.approx(0.0025)
+    assert policy.from_panel("shank", 0.0005, near_fastener=True) == pytest.approx(0.0015)
+    assert policy.from_panel("clamped_foot", 0.0005) == 0.0002
+
+
+def test_the_foot_of_self_pairs_is_the_foot_in_the_state_asked_for() -> None:
+    die = RIVETER.dies["straight"]
+
+    assert ("tip", "foot") in RIVETER.self_pairs_with(die)
+    assert ("tip", "clamped_foot") in RIVETER.self_pairs_with(die, "clamped")
+    assert len(RIVETER.self_pairs_with(die)) == len(RIVETER.self_pairs_with(die, "clamped"))

@@ -148,7 +148,7 @@ MACHINE_FAULTS: list[Fault] = [
     ("/self_pairs/1", ["foot", "die"], "duplicate_pair"),
     ("/self_pairs/0", ["die"], "missing_field", "/self_pairs/0/1"),
     ("/clearance/pairs/0/solids/0", "feet", "unknown_solid"),
-    ("/clearance/pairs/1", {"solids": ["panel", "foot"], "clearance_mm": 0.3}, "duplicate_pair",
+    ("/clearance/pairs/1", {"solids": ["panel", "clamped_foot"], "clearance_mm": 0.3}, "duplicate_pair",
      "/clearance/pairs/1/solids"),
     ("/clearance/pairs/0/solids", ["foot", "foot"], "pair_of_one"),
     ("/clearance/near_fastener_mm", 2.5, "clearances_swapped"),

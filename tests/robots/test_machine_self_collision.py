@@ -31,7 +31,7 @@ class Pairs:
     def __init__(self, die: Die, foot: FootState, machine: Machine = RIVETER) -> None:
         self.solids = {solid.name: solid for solid in machine.assembly(die, foot)}
         self.shapes = {name: to_coal(solid.shape) for name, solid in self.solids.items()}
-        self.names = machine.self_pairs_with(die)
+        self.names = machine.self_pairs_with(die, foot)
 
     def nearest(self, q: Array) -> tuple[float, tuple[str, str]]:
         """Smallest distance [m] and its pair at q."""
@@ -86,7 +86,7 @@ def test_the_clamped_foot_is_a_stack_and_its_ring_away_from_the_die(die: Die, de
     distance, pair = nearest_over_all(die, "clamped", contact_height(RIVETER, depth))
 
     assert distance == pytest.approx(depth + 0.0005, abs=1e-6)
-    assert pair == ("tip", "foot")
+    assert pair == ("tip", "clamped_foot")
 
 
 @each_die
@@ -101,7 +101,7 @@ def test_a_die_raised_into_the_clamped_foot_is_found() -> None:
     distance, pair = nearest_over_all(RIVETER.dies["straight"], "clamped", RIVETER.axis("W").upper)
 
     assert distance == pytest.approx(-0.0095, abs=1e-6)
-    assert pair == ("tip", "foot")
+    assert pair == ("tip", "clamped_foot")
 
 
 def test_a_die_turned_into_an_obstacle_is_found() -> None:

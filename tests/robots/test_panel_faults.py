@@ -36,9 +36,11 @@ FAULTS: list[tuple[Document, list[tuple[str, str]]]] = [
     (changed("skin/length_mm", math.inf), [("/skin/length_mm", "not_finite")]),
     (changed("schema_version", "9.9"), [("/schema_version", "unknown_value")]),
     (changed("stringers/0/id", "S 1"), [("/stringers/0/id", "bad_name")]),
+    (changed("title", "\x1b[2J"), [("/title", "bad_text")]),
     (changed("rows/0/grip_mm", "stack"), [("/rows/0/grip_mm", "wrong_type")]),
     # sizes in the wrong unit
     (changed("skin/thickness_mm", 0.0016), [("/skin/thickness_mm", "out_of_range")]),
+    (changed("sections/Z30/line_mm", 0.0124), [("/sections/Z30/line_mm", "out_of_range")]),
     (changed("skin/width_mm", 0.4), [("/skin/width_mm", "out_of_range")]),
     (changed("skin/length_mm", 400_000.0), [("/skin/length_mm", "out_of_range")]),
     (changed("surface", {"section_radius_mm": 1.975}), [("/surface/section_radius_mm", "out_of_range")]),

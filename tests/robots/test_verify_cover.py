@@ -105,7 +105,7 @@ def test_a_motion_is_refuted_exactly_where_samples_find_it_too_close(die: str, i
     items, need = candidates(here.problem, np.full(n, CAP))
     open_items = items.take(items.bound < need)
 
-    proven, violations, _ = prove(here.problem, open_items)
+    proven, violations, _ = prove(here.problem, open_items, 1000)
 
     refuted = np.isin(np.arange(n), violations.block)
     # A sample that is too close is a violation; a motion that no sample can have overlooked is none.
@@ -121,7 +121,7 @@ def test_measured_violations_are_as_bad_as_the_samples_say(die: str, index: int,
     here = scene(die, index, seed)
     items, need = candidates(here.problem, np.full(len(here.sampled), CAP))
 
-    _, violations, _ = prove(here.problem, items.take(items.bound < need))
+    _, violations, _ = prove(here.problem, items.take(items.bound < need), 1000)
 
     for k in np.unique(violations.block):
         worst = float(violations.gap[violations.block == k].min())
@@ -195,6 +195,18 @@ def test_the_broad_phase_leaves_out_nothing_within_reach() -> None:
     assert seen > 1000
 
 
+def test_a_hopeless_program_is_given_up() -> None:
+    here = scene("straight", 1, 12)
+    items, need = candidates(here.problem, np.full(len(here.sampled), CAP))
+    items = items.take(items.bound < need)
+
+    _, everything, poses = prove(here.problem, items, 1000)
+    _, some, fewer = prove(here.problem, items, 3)
+
+    assert 3 < len(some) <= len(everything)
+    assert fewer < poses
+
+
 def test_stretches_cover_each_block_without_gaps() -> None:
     here = scene("straight", 0, 11)
     blocks = np.array([3, 7, 20])
@@ -238,7 +250,7 @@ def test_two_solids_of_the_machine_against_samples() -> None:
     problem = OwnProblem(Mover(kinematics, tip, motions), Mover(kinematics, foot, motions), 0.05)
     items = Items(np.arange(n), np.zeros(n), np.ones(n), np.zeros(n, dtype=np.int64), np.full(n, -np.inf))
 
-    proven, violations, _ = prove(problem, items)
+    proven, violations, _ = prove(problem, items, 1000)
     found = Clearances.unknown(n, CAP)
     tighten(problem, 0, items, found)
 

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robots.machine import Machine
-from robots.verify import verify
+from robots.verify import MAX_PER_CODE, certified, verify
 from tests.robots.fault_cases import CLEAN, MACHINE, PANEL, TIP_RADIUS, codes, findings, rewritten
 from tests.robots.nc_samples import (
     WEB,
@@ -18,7 +17,6 @@ from tests.robots.nc_samples import (
     open_height,
     pose,
     sample,
-    timing,
     with_block,
     write,
 )
@@ -83,6 +81,18 @@ def test_sag_is_added_to_what_is_needed() -> None:
 
     assert {f.code for f in certificate.findings} >= {"clearance"}
     assert ("tip", "S1") in {f.pair for f in certificate.findings}
+
+
+def test_sag_is_added_away_from_fasteners_too() -> None:
+    panel = flat_panel(sag=0.001)  # 2.4 mm from the web: enough for 1 mm + 1 mm, too little for 2 mm + 1 mm
+    far = Leg("move", pose(-0.15, open_height()), "F2")
+    route = legs(MACHINE)
+
+    certificate = verify(write(panel, MACHINE, [*route[:6], far, *route[6:]]), panel, MACHINE)
+
+    too_near = [f for f in certificate.findings if f.pair == ("tip", "S1")]
+    assert {f.needs_mm for f in too_near} == {3.0}
+    assert {f.block_n for f in too_near} == {70, 80}
 
 
 def test_an_offset_die_turned_the_wrong_way_hits_the_web() -> None:
@@ -192,6 +202,8 @@ def test_one_limit_raised_by_one_percent_is_named(field: str, code: str) -> None
     limit = [f for f in found if f.code == code]
     assert len(limit) == 1
     assert limit[0].block_n == block.n
+    certificate = verify(with_block(CLEAN, block.n, dynamics=faster), PANEL, MACHINE)
+    assert certificate.certified_blocks == len(CLEAN.blocks) - 1
     assert "X" in limit[0].text
 
 
@@ -276,12 +288,12 @@ def test_the_web_of_the_stack_is_no_contact_surface() -> None:
 
 def test_the_clamped_foot_is_checked_at_processes() -> None:
     """It stands 0.5 mm over the skin: too near for a policy that asks for 0.6 mm, and only while clamped."""
-    policy = replace(MACHINE.policy, pairs={("foot", "panel"): 0.0006})
+    policy = replace(MACHINE.policy, pairs={("clamped_foot", "panel"): 0.0006})
 
     found = verify(CLEAN, PANEL, replace(MACHINE, policy=policy)).findings
 
     too_near = [f for f in found if f.code == "clearance"]
-    assert {(f.block_n, f.pair) for f in too_near} == {(n, ("foot", "SKIN")) for n in (50, 90, 170)}
+    assert {(f.block_n, f.pair) for f in too_near} == {(n, ("clamped_foot", "SKIN")) for n in (50, 90, 170)}
 
 
 def test_an_approach_that_also_moves_sideways_is_named() -> None:
@@ -300,18 +312,58 @@ def test_a_retreat_that_stops_inside_the_formed_tail_is_named() -> None:
     assert {(f.code, f.block_n) for f in found} == {("retract_short", 60)}
 
 
-def test_the_foot_and_the_machine_itself_are_checked() -> None:
-    """The die raised into the head: the machine's own solids, away from the panel."""
-    machine: Machine = MACHINE
-    up = np.array(machine.home)
-    up[5] = machine.upper[5]  # 10 mm above the datum: the open foot is 10 mm higher, the clamped one is met
-    policy = replace(machine.policy, default=0.0101)
+def raised(route: list[Leg]) -> list[Leg]:
+    """The die raised twice to its highest, 10 mm below the open foot, away from the panel."""
+    up = np.array(MACHINE.home)
+    up[5] = MACHINE.upper[5]
+    return [route[0], Leg("move", up, "F1"), Leg("move", route[0].q, "F1"), Leg("move", up, "F1"), *route[1:]]
 
-    def raised(route: list[Leg]) -> list[Leg]:
-        return [*route[:1], Leg("move", up, "F1"), *route[1:]]
 
-    program = sample(machine, raised)
-    found = verify(program, PANEL, replace(machine, policy=policy)).findings
+def test_the_machines_own_solids_are_checked_in_every_block() -> None:
+    policy = replace(MACHINE.policy, default=0.0101)
 
-    assert ("tip", "foot") in {f.pair for f in found if f.block_n == 20}
-    assert timing(machine, CLEAN.blocks[0].axes, CLEAN.blocks[1].axes)[1] > 0.0
+    certificate = verify(sample(MACHINE, raised), PANEL, replace(MACHINE, policy=policy))
+
+    near_head = {f.block_n for f in certificate.findings if f.pair == ("tip", "foot")}
+    assert near_head >= {20, 30, 40, 50}
+    assert certificate.min_clearance is not None
+    assert certificate.min_clearance.mm <= 10.0
+
+
+def test_the_machines_own_solids_count_for_the_stated_clearance() -> None:
+    program = certified(sample(MACHINE, raised), PANEL, MACHINE)
+
+    stated = {b.n: b.clearance for b in program.blocks}
+    for n in (20, 30, 40):
+        clearance = stated[n]
+        assert clearance is not None
+        assert clearance.pair == ("tip", "foot")
+        assert clearance.min_mm == pytest.approx(10.0, abs=2e-4)
+
+
+def test_a_block_that_is_too_close_states_no_clearance() -> None:
+    inside = pose(0.0, open_height(), y=WEB - TIP_RADIUS + 0.001)
+
+    program = certified(
+        sample(MACHINE, lambda r: [*r[:6], Leg("move", inside, "F2"), *r[6:]]), PANEL, MACHINE
+    )
+
+    assert {b.n for b in program.blocks if b.clearance is None} == {70, 80}
+    assert program.verification is not None
+    assert program.verification.certified_blocks == len(program.blocks) - 2
+    least = program.verification.min_clearance
+    assert least is not None
+    assert (least.block_n, least.pair) == (70, ("tip", "S1"))
+    assert least.mm == pytest.approx(-1.0, abs=1e-3)
+
+
+def test_a_program_with_too_many_faults_is_given_up_and_nothing_is_certified() -> None:
+    inside = [Leg("move", pose(x, open_height(), y=WEB - TIP_RADIUS + 0.001), "F2") for x in (0.0, 0.01)]
+    route = legs(MACHINE)
+
+    certificate = verify(write(PANEL, MACHINE, [*route[:6], *inside * 550, *route[6:]]), PANEL, MACHINE)
+
+    assert "not_examined" in {f.code for f in certificate.findings}
+    assert certificate.certified_blocks == 0
+    assert sum(f.code == "clearance" for f in certificate.findings) == MAX_PER_CODE
+    assert certificate.findings[-1].code == "more_findings"

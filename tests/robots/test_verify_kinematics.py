@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from planners.arrays import Array
 from robots.machine_file import load_machine
-from robots.verify_kinematics import Kinematics
+from robots.verify_kinematics import Kinematics, largest_arm
 
 MACHINE = load_machine("riveter")
 MOUNTING = np.eye(4)
@@ -178,3 +178,50 @@ def test_axes_beyond_the_link_do_not_count() -> None:
 
     assert bound == 0.0
     assert most == 0.0
+
+
+# Motions on which the largest distance from an axis is at one end only, at the other, or in between.
+ARMS = {
+    "at the start": ("X", 1, configuration(Y=-0.8), configuration(Y=0.0, A=0.1), NONE, 0.0),
+    "at the end": ("X", 1, configuration(Y=0.0), configuration(Y=0.8, A=0.1), NONE, 0.0),
+    "in between": (
+        "C",
+        1,
+        configuration(C=-1.0),
+        configuration(C=1.0, A=0.1),
+        np.array([0.0, 0.6, 0.34]),
+        0.0,
+    ),
+    "of a solid": ("X", 0, configuration(), configuration(B=0.1), FAR, 0.5),
+}
+
+
+@pytest.mark.parametrize("where", ARMS)
+def test_no_point_is_farther_from_an_axis_than_the_largest_arm(where: str) -> None:
+    link, joint, q0, q1, center, radius = ARMS[where]
+    kinematics = Kinematics.from_panel(MACHINE, MOUNTING)
+    q = q0 + GRID[:, None] * (q1 - q0)
+    frames = kinematics.frames(link, q)
+    place = np.einsum("nij,j->ni", frames.R, center) + frames.t - frames.origins[joint]
+    arms = np.linalg.norm(np.cross(place, frames.axes[joint]), axis=1) + radius
+    start, end = (kinematics.frames(link, one[None]) for one in (q0, q1))
+    still = q1 - q0
+    still[3:5] = 0.0  # what moves beyond the panel's own turns
+    ball = (center[None], np.array([radius]))
+    _, travel = kinematics.bulge(link, still[None], start, end, ball)
+
+    bound = largest_arm(joint, start, end, ball, travel)[0]
+
+    assert bound >= arms.max() - 1e-12
+    assert bound <= 2.2 * arms.max()
+
+
+def test_seen_from_the_first_link_a_lift_travels_its_length() -> None:
+    kinematics = Kinematics.from_first_link(MACHINE)
+    q0, q1 = configuration(), configuration(X=6.5, W=0.3)
+    start, end = (kinematics.frames("W", q[None]) for q in (q0, q1))
+
+    bulge, travel = kinematics.bulge("W", (q1 - q0)[None], start, end, (FAR[None], np.array([0.1])))
+
+    assert bulge[0] == 0.0
+    assert travel[0] == pytest.approx(0.3)

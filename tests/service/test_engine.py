@@ -1,6 +1,8 @@
 """The engine of worker processes: answers, refusals, deaths, time limits, clients that leave."""
 
 import asyncio
+import os
+import signal
 import subprocess
 import sys
 import time
@@ -94,6 +96,19 @@ def test_worker_that_dies_is_a_problem_and_is_replaced() -> None:
         assert await problem_code(engine, "crash") == "worker_lost"
 
         assert (await engine.program(request("any"))).body != first
+
+    with_engine(Settings(), use)
+
+
+def test_worker_that_dies_while_idle_costs_no_request() -> None:
+    async def use(engine: ProcessEngine) -> None:
+        _, pid = (await engine.program(request("any"))).body.split()
+        os.kill(int(pid), signal.SIGKILL)
+        os.waitid(os.P_PID, int(pid), os.WEXITED | os.WNOWAIT)
+
+        _, other = (await engine.program(request("any"))).body.split()
+
+        assert other != pid
 
     with_engine(Settings(), use)
 

@@ -33,3 +33,14 @@ def test_file_gets_the_permissions_every_new_file_gets(tmp_path: Path) -> None:
     write_atomically(tmp_path / "a.json", b"")
 
     assert (tmp_path / "a.json").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_link_stays_a_link_and_the_file_it_names_is_written(tmp_path: Path) -> None:
+    link, file = tmp_path / "latest.json", tmp_path / "a.json"
+    link.symlink_to(file)
+
+    write_atomically(link, b"new")
+
+    assert link.is_symlink()
+    assert file.read_bytes() == b"new"
+    assert set(tmp_path.iterdir()) == {link, file}

@@ -1,6 +1,8 @@
 """Every error of the service is a problem: the traps of service.md, table and beyond, over real HTTP."""
 
 import json
+import logging
+import socket
 from collections.abc import Iterator
 
 import httpx
@@ -183,6 +185,55 @@ def test_unknown_query_parameter_is_a_422_problem(client: httpx.Client, path: st
     (found,) = pointers(check_problem(client.get(path), 422, "invalid_input"))
 
     assert found[1] == "unknown_parameter"
+
+
+def test_compressed_body_is_a_415_problem(client: httpx.Client) -> None:
+    headers = JSON | {"content-encoding": "gzip"}
+
+    check_problem(
+        client.post(PROGRAMS, content=b'{"panel": {}}', headers=headers), 415, "unsupported_media_type"
+    )
+
+
+@pytest.mark.parametrize(
+    ("end", "expected"),
+    [
+        (5, [("/start", "model_attributes_type")]),
+        ({}, [("/start/fastener_id", "missing")]),
+        ({"fastener": "f"}, [("/start/fastener_id", "missing"), ("/start/fastener", "extra_forbidden")]),
+        ({"axes": []}, [("/start/axes", "model_attributes_type")]),
+        ({"fastener_id": 3}, [("/start/fastener_id", "string_type")]),
+    ],
+)
+def test_wrong_end_of_a_motion_is_judged_as_what_it_is_meant_to_be(
+    client: httpx.Client, end: object, expected: list[tuple[str, str]]
+) -> None:
+    order = {"panel": {}, "die": "straight", "start": end, "goal": {"fastener_id": "f"}}
+
+    body = check_problem(client.post("/v1/motions", json=order), 422, "invalid_input")
+
+    assert pointers(body) == expected
+    assert "dictionary" not in str(body)
+
+
+def test_wrong_value_is_shown(client: httpx.Client) -> None:
+    body = check_problem(client.post(PROGRAMS, json={"panel": {}, "seed": -7}), 422, "invalid_input")
+
+    (error,) = json.loads(json.dumps(body["errors"]))
+    assert error["value"] == -7
+
+
+def test_client_that_leaves_while_it_sends_is_no_fault(
+    client: httpx.Client, caplog: pytest.LogCaptureFixture
+) -> None:
+    with socket.create_connection((client.base_url.host, client.base_url.port or 0)) as leaving:
+        head = f"POST {PROGRAMS} HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+        leaving.sendall(f"{head}Content-Length: 100\r\n\r\n{{".encode())
+        client.get("/health/live")  # the service has begun to read
+    for _ in range(20):
+        client.get("/health/live")
+
+    assert [record for record in caplog.records if record.levelno >= logging.ERROR] == []
 
 
 def test_unknown_machine_is_a_404_problem_that_names_those_there_are(client: httpx.Client) -> None:

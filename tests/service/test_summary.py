@@ -3,8 +3,13 @@
 import json
 from pathlib import Path
 
+import numpy as np
+
+from planners.path import Path as PlannedPath
+from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
 from robots.nc import NcProgram
 from robots.nc_json import from_json
+from service.programming import Statistics
 from service.summary import program_rows, refusals, report
 from tests.service.conftest import CrossingRun
 
@@ -50,8 +55,22 @@ def test_shares_of_the_cycle_time_add_up(crossing_run: CrossingRun) -> None:
 def test_report_names_every_refused_fastener_with_its_reason(crossing_run: CrossingRun) -> None:
     program = with_one_refusal(crossing_run.program)
 
-    text = report(program, {"plan": 1.25})
+    text = report(program, Statistics(seconds={"plan": 1.25}))
 
     assert refusals(program) == [(program.fasteners[3].id, "inaccessible: shank meets K1")]
     assert f"| {program.fasteners[3].id} | inaccessible: shank meets K1 |" in text
     assert "| plan | 1.2 s |" in text
+
+
+def test_report_has_the_rows_of_the_papers_tables_for_every_searched_link(crossing_run: CrossingRun) -> None:
+    program = from_json(crossing_run.program.read_bytes())
+    counts = PlanCounts(setpoint=44, gradient=10, random=30, detections=171, after_smoothing=8)
+    times = PlanTimes(search=0.222, detection=0.215, smoothing=0.023)
+    empty = PlannedPath(np.empty((0, 7)))
+    searched = PlanResult(PlanStatus.SUCCESS, empty, empty, counts, times, "planned")
+    direct = PlanResult(PlanStatus.SUCCESS, empty, empty, origin="direct")
+
+    text = report(program, Statistics(links=(("home", "f1", direct), ("f1", "f2", searched))))
+
+    assert "| f1 | f2 | planned | 222.0 | 7.0 | 215.0 | 23.0 | 85 | 44 | 10 | 30 | 171 | 8 |" in text
+    assert "| home | f1 |" not in text
