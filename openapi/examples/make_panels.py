@@ -15,7 +15,7 @@ Entry = dict[str, object]
 RADIUS = 1975.0
 FRAME_PITCH = 533.4
 STRINGER_PITCH = 190.0
-RIVET_PITCH = FRAME_PITCH / 24
+RIVET_PITCH = 22.225  # 533.4 / 24, and 7/8 in
 
 SHELL_SECTIONS: Entry = {
     "stringer": {

@@ -153,6 +153,7 @@ def test_clearance_policy_is_that_of_the_contract() -> None:
     assert policy.between("clamped_foot", "panel") == 0.0002
     assert policy.between("panel", "clamped_foot", near_fastener=True) == 0.0002
     assert policy.between("foot", "panel") == 0.002
+    assert policy.between("tip", "clamped_foot") == 0.0002  # clamping a thin stack brings them together
     assert policy.near_radius == 0.040
     assert policy.contact_depth == 0.0001
     assert policy.sag == 0.0

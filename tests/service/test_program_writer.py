@@ -136,7 +136,10 @@ def test_policy_is_the_machines_with_the_panels_sag_in_millimetres(program: NcPr
 
     assert (policy.default, policy.near_fastener, policy.near_radius_mm) == (2.0, 1.0, 40.0)
     assert (policy.contact_depth_mm, policy.sag_mm) == pytest.approx((0.1, 0.5))
-    assert [(p.solid, p.against, p.mm) for p in policy.pairs] == [("clamped_foot", "panel", 0.2)]
+    assert [(p.solid, p.against, p.mm) for p in policy.pairs] == [
+        ("clamped_foot", "panel", 0.2),
+        ("tip", "clamped_foot", 0.2),
+    ]
 
 
 def test_machine_datums_and_processes_are_told_in_millimetres_and_degrees(program: NcProgram) -> None:
