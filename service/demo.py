@@ -68,9 +68,12 @@ def ask_service(panel_file: Path, program_file: Path) -> bool:
 @contextmanager
 def running_service() -> Iterator[str]:
     """Run `rivetplan serve` on a free port of this computer; yield its host and port once it is ready."""
-    with subprocess.Popen(
-        [*_RIVETPLAN, "serve", "--port", "0"], stdout=subprocess.PIPE, text=True
-    ) as service:
+    with (
+        (OUT / "service.log").open("wb") as log,
+        subprocess.Popen(
+            [*_RIVETPLAN, "serve", "--port", "0"], stdout=subprocess.PIPE, stderr=log, text=True
+        ) as service,
+    ):
         try:
             assert service.stdout is not None
             address = urlsplit(service.stdout.readline().rpartition(" ")[2].strip()).netloc
