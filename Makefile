@@ -58,4 +58,5 @@ clean: ## remove .venv, caches and out/
 
 .venv/installed: .venv/locked pyproject.toml
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	$(BIN)/python -m robots.kernel
 	@touch $@

@@ -11,11 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
 from planners.arrays import Array
+from planners.space import Space
 from robots.buried import BuriedTest
 from robots.certified_edge import certified_to
 from robots.contact import PanelPieces, TipScene
@@ -26,11 +29,16 @@ from robots.panel import Fastener, Panel
 from robots.scene import Pair, Scene
 from robots.solids import bounding_sphere, reach_about_axis
 
+if TYPE_CHECKING:
+    from robots.kernel.flat import FlatCell
+
 CERTIFICATE_MARGIN = 0.00005
 """[m] Kept beyond the policy, so that rounding axis values to the NC program's digits cannot spend the
 clearance.
 """
 
+
+Checker = Literal["kernel", "coal"]
 
 CLEARANCE_CAP = 0.050
 """[m] Larger clearances are not told apart."""
@@ -54,10 +62,15 @@ class Blockage:
 
 
 class Cell:
-    """A `machine` with one `die` around a `panel` fixed in its own frame."""
+    """A `machine` with one `die` around a `panel` fixed in its own frame.
 
-    def __init__(self, machine: Machine, die: Die, panel: Panel) -> None:
+    checker: who answers for links: the compiled kernel, or coal by way of `LinkSpace`, which is slower and is
+    the kernel's oracle. Machines of another layout than the riveter's have no kernel.
+    """
+
+    def __init__(self, machine: Machine, die: Die, panel: Panel, checker: Checker = "kernel") -> None:
         self.machine, self.die, self.panel = machine, die, panel
+        self.checker: Checker = checker if machine.kinematics == "riveter" else "coal"
         self.scene = Scene(machine, die, panel, "open")
         self._clamped = Scene(machine, die, panel, "clamped")
         self.bound = MotionBound(machine, self.scene.solids, self.scene.pairs)
@@ -92,9 +105,21 @@ class Cell:
         self.scene.place(q)
         return np.array(self.scene.die_tip())
 
-    def link_space(self, anchors: Sequence[Array]) -> LinkSpace:
+    def link_space(self, anchors: Sequence[Array]) -> CertifiedSpace:
         """The Space of a link whose open poses are `anchors`, each (n,)."""
-        return LinkSpace(self, [self.tip_at(q) for q in anchors])
+        tips = [self.tip_at(q) for q in anchors]
+        if self.checker == "coal":
+            return LinkSpace(self, tips)
+        # Imported when first used: commands that plan nothing need not wait for the compiled kernel to load.
+        from robots.kernel.space import KernelSpace
+
+        return KernelSpace(self._flat, self.machine.lower, self.machine.upper, tips)
+
+    @cached_property
+    def _flat(self) -> FlatCell:
+        from robots.kernel.space import flat_cell
+
+        return flat_cell(self, CERTIFICATE_MARGIN)
 
     def closest(
         self, q: Array, *, near_fastener: bool, foot: FootState = "open", tip: bool = True
@@ -184,6 +209,14 @@ class Cell:
         reach = self._tip_reach + clearance
         around = self._pieces.around(ends.min(axis=0) - reach, ends.max(axis=0) + reach)
         return TipScene(self.scene, self.tip_pair, self._pieces, np.setdiff1d(around, allowed))
+
+
+class CertifiedSpace(Space, Protocol):
+    """The Space of one link, which can also tell how much clearance a path has."""
+
+    def guaranteed_clearance(self, waypoints: Array) -> float:
+        """A lower bound of the clearance over the whole path (N, n) in [m], capped at 50 mm."""
+        ...
 
 
 class LinkSpace:

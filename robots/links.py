@@ -18,7 +18,7 @@ from planners.link_planner import LinkPlanner
 from planners.path import Path
 from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
 from robots import riveter
-from robots.cell import Blockage, Cell, LinkSpace
+from robots.cell import Blockage, Cell, CertifiedSpace
 from robots.nc import NcAxes
 from robots.riveter_search import Heuristics, planner_settings
 from robots.stations import Station
@@ -82,7 +82,7 @@ class LinkFinder:
         return float(np.linalg.norm(goal.fastener.p - start.fastener.p)) > LONG_LINK
 
     def _under_the_work(
-        self, space: LinkSpace, start: Station, goal: Station | Array, stop: Callable[[], bool]
+        self, space: CertifiedSpace, start: Station, goal: Station | Array, stop: Callable[[], bool]
     ) -> Link | None:
         """Down from `start`, straight across with the die fully down, up to `goal` (a station, or a pose
         below already).
@@ -111,7 +111,7 @@ class LinkFinder:
         return np.array([u_a, v_a]), np.array([u_b, v_b])
 
     def _across(
-        self, space: LinkSpace, a: Array, b: Array, over: tuple[Array, Array] | None, halvings: int = 4
+        self, space: CertifiedSpace, a: Array, b: Array, over: tuple[Array, Array] | None, halvings: int = 4
     ) -> list[Array] | None:
         """Waypoints between `a` and `b`, die down: none where the straight way is free; else the way follows
         the skin.
@@ -133,7 +133,7 @@ class LinkFinder:
         after = None if before is None else self._across(space, middle, b, (half, over[1]), halvings - 1)
         return None if before is None or after is None else [*before, middle, *after]
 
-    def _way_down(self, space: LinkSpace, station: Station, stop: Callable[[], bool]) -> Link:
+    def _way_down(self, space: CertifiedSpace, station: Station, stop: Callable[[], bool]) -> Link:
         """From the open pose until the die is fully down."""
         return self._search(space, station.opened, self._below(station.opened), station, stop)
 
@@ -145,7 +145,7 @@ class LinkFinder:
         return below
 
     def _search(
-        self, space: LinkSpace, start: Array, goal: Array, at: Station, stop: Callable[[], bool]
+        self, space: CertifiedSpace, start: Array, goal: Array, at: Station, stop: Callable[[], bool]
     ) -> Link:
         where, name = at.fastener.p, at.fastener.id
         result = self._planner.plan(space, start, goal, where, self._rng(start, goal), stop, name)
@@ -160,7 +160,7 @@ class LinkFinder:
         digest = hashlib.sha256(self._cell.die.id.encode() + start.tobytes() + goal.tobytes()).digest()
         return np.random.default_rng([self._seed, *np.frombuffer(digest, dtype=np.uint32).tolist()])
 
-    def _in_the_way(self, space: LinkSpace, start: Array, goal: Array) -> Blockage:
+    def _in_the_way(self, space: CertifiedSpace, start: Array, goal: Array) -> Blockage:
         """The pair that halts the straight motion."""
         if not space.is_free(start):
             return self._cell.closest(start, near_fastener=True)

@@ -10,7 +10,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 import typer
 
@@ -67,6 +67,10 @@ def plan(
         int | None,
         typer.Option(min=1, max=64, help="Planning processes; the result is the same. [default: one a core]"),
     ] = None,
+    checker: Annotated[
+        Literal["kernel", "coal"],
+        typer.Option(help="Who certifies links: the compiled kernel, or its slower oracle."),
+    ] = "kernel",
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no summary.")] = False,
 ) -> None:
     """Plan a panel's program, verify it and write it."""
@@ -81,6 +85,7 @@ def plan(
             dies=[name.strip() for names in die for name in names.split(",")] if die else None,
             seed=seed,
             workers=workers or os.cpu_count() or 1,
+            checker=checker,
             quiet=quiet,
         )
     )

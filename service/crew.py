@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import TracebackType
 
 from planners.detector import never
-from robots.cell import Cell
+from robots.cell import Cell, Checker
 from robots.machine import Machine
 from robots.panel import Panel
 from robots.riveter_search import Heuristics
@@ -39,14 +39,22 @@ class CrewLost(Exception):
 class Workplace:
     """Machine and panel of one process, with a cell per die."""
 
-    def __init__(self, machine: Machine, panel: Panel, heuristics: Heuristics, seed: int) -> None:
+    def __init__(
+        self,
+        machine: Machine,
+        panel: Panel,
+        heuristics: Heuristics,
+        seed: int,
+        checker: Checker = "kernel",
+    ) -> None:
         self._machine, self._panel, self._heuristics, self._seed = machine, panel, heuristics, seed
+        self._checker = checker
         self._cells: dict[str, Cell] = {}
 
     def cell(self, die_id: str) -> Cell:
         """The cell with that die in the machine."""
         if die_id not in self._cells:
-            self._cells[die_id] = Cell(self._machine, self._machine.dies[die_id], self._panel)
+            self._cells[die_id] = Cell(self._machine, self._machine.dies[die_id], self._panel, self._checker)
         return self._cells[die_id]
 
     def plan(self, task: RunTask, stop: Callable[[], bool] = never) -> Run:
@@ -67,14 +75,18 @@ class Crew:
         seed: int,
         workers: int,
         stop: Callable[[], bool] = never,
+        checker: Checker = "kernel",
     ) -> None:
-        self.here = Workplace(machine, panel, heuristics, seed)
+        self.here = Workplace(machine, panel, heuristics, seed, checker)
         self._stop = stop
         self._pool: ProcessPoolExecutor | None = None
         if workers > 1:
             # spawn: a fork would copy threads and native state of whoever calls us.
             self._pool = ProcessPoolExecutor(
-                workers, multiprocessing.get_context("spawn"), _move_in, (machine, panel, heuristics, seed)
+                workers,
+                multiprocessing.get_context("spawn"),
+                _move_in,
+                (machine, panel, heuristics, seed, checker),
             )
 
     def __enter__(self) -> Crew:
@@ -106,10 +118,10 @@ class Crew:
 _workplace: Workplace | None = None
 
 
-def _move_in(machine: Machine, panel: Panel, heuristics: Heuristics, seed: int) -> None:
+def _move_in(machine: Machine, panel: Panel, heuristics: Heuristics, seed: int, checker: Checker) -> None:
     global _workplace  # noqa: PLW0603 - a worker process has exactly one
     leave_with_parent()
-    _workplace = Workplace(machine, panel, heuristics, seed)
+    _workplace = Workplace(machine, panel, heuristics, seed, checker)
 
 
 def _plan_in_worker(task: RunTask) -> Run:

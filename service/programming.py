@@ -14,7 +14,7 @@ from time import perf_counter
 
 from planners.detector import never
 from planners.result import PlanResult
-from robots.cell import Cell
+from robots.cell import Cell, Checker
 from robots.dies import Die
 from robots.errors import InputProblem, InvalidInput
 from robots.links import LinkFinder
@@ -81,19 +81,21 @@ def program_panel(
     progress: Progress | None = None,
     stop: Callable[[], bool] = never,
     heuristics: Heuristics = "heuristics_and_escapes",
+    checker: Checker = "kernel",
 ) -> ProgrammedPanel:
     """Plan, time and verify the program of `panel`.
 
     dies: in the order they are tried, at least one. seed: same input and seed, same bytes, on any number of
-    `workers`. progress: told how far each phase is. Raises `die_pass.Cancelled` when `stop` says so,
-    InvalidInput where the machine's home pose is in collision with the panel, ValueError without a die.
+    `workers`. progress: told how far each phase is. checker: who certifies links, see `Cell`. Raises
+    `die_pass.Cancelled` when `stop` says so, InvalidInput where the machine's home pose is in collision with
+    the panel, ValueError without a die.
     """
     if not dies:
         raise ValueError("a program needs at least one die")
     statistics = Statistics()
     tell = progress or (lambda _: None)
     with statistics.phase("plan"):
-        itinerary = _plan(panel, machine, dies, seed, workers, tell, stop, heuristics)
+        itinerary = _plan(panel, machine, dies, seed, workers, tell, stop, heuristics, checker)
     statistics.links = tuple((leaves, leads, link.result) for leaves, leads, link in itinerary.named_links())
     with statistics.phase("write"):
         program = write_program(panel, machine, dies, itinerary, seed)
@@ -113,9 +115,10 @@ def _plan(
     tell: Progress,
     stop: Callable[[], bool],
     heuristics: Heuristics,
+    checker: Checker,
 ) -> Itinerary:
     itinerary = Itinerary()
-    with Crew(machine, panel, heuristics, seed, workers, stop) as crew:
+    with Crew(machine, panel, heuristics, seed, workers, stop, checker) as crew:
         for die in dies:
             cell = crew.here.cell(die.id)
             require_free_home(cell)

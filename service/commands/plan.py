@@ -4,6 +4,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from robots.cell import Checker
 from robots.nc_json import to_json
 from service.commands.reading import Unusable, as_lines, read_inputs
 from service.crew import CrewLost
@@ -22,6 +23,7 @@ def plan(
     dies: Sequence[str] | None,
     seed: int,
     workers: int,
+    checker: Checker,
     quiet: bool,
 ) -> bool:
     """Plan, verify and write a panel's program; return whether its certificate is clean.
@@ -33,7 +35,13 @@ def plan(
     with as_lines(f"{panel_file}#"), progress_bar(quiet=quiet) as progress:
         try:
             programmed = program_panel(
-                inputs.panel, inputs.machine, inputs.dies, seed=seed, workers=workers, progress=progress
+                inputs.panel,
+                inputs.machine,
+                inputs.dies,
+                seed=seed,
+                workers=workers,
+                progress=progress,
+                checker=checker,
             )
         except CrewLost:
             why = "a planning process was ended from outside, perhaps for want of memory"

@@ -10,6 +10,7 @@ from itertools import groupby, pairwise
 import numpy as np
 import pytest
 
+from robots.cell import Cell, Checker, LinkSpace
 from robots.errors import InvalidInput
 from robots.nc import NcFastener, NcProgram
 from robots.nc_json import to_json
@@ -287,3 +288,23 @@ def test_same_bytes_on_repeat_and_another_seed_is_told_in_the_header() -> None:
     assert to_json(first) == to_json(again)
     assert other.header.planner.seed == 6
     assert other.header.program_id != first.header.program_id
+
+
+@pytest.mark.parametrize("checker", ["kernel", "coal"])
+def test_the_kernel_and_its_oracle_install_the_same_fasteners_and_both_are_proved(checker: Checker) -> None:
+    dies = [MACHINE.dies[die] for die in ("straight", "offset35")]
+
+    made = program_panel(MIXED, MACHINE, dies, checker=checker).program
+
+    assert outcome(made) == outcome(mixed_program("straight", "offset35"))
+    assert made.verification is not None
+    assert made.verification.result == "clean"
+
+
+def test_each_checker_answers_with_its_own_space() -> None:
+    die = MACHINE.dies["straight"]
+    kernel, coal = Cell(MACHINE, die, MIXED), Cell(MACHINE, die, MIXED, "coal")
+
+    assert isinstance(coal.link_space([]), LinkSpace)
+    assert not isinstance(kernel.link_space([]), LinkSpace)
+    assert Cell(replace(MACHINE, kinematics="chain"), MACHINE.dies["straight"], MIXED).checker == "coal"

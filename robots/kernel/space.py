@@ -1,0 +1,88 @@
+"""`KernelSpace`: the Space of one link, answered by the compiled kernel, in place of `cell.LinkSpace`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planners.arrays import Array
+from robots.kernel.edge import ADVANCE, PATH, POLICY, POSE, ask
+from robots.kernel.flat import FlatCell, pack
+from robots.kernel.work import new_blocks
+
+if TYPE_CHECKING:  # the cell offers this Space, so it is the one to import the other
+    from robots.cell import Cell
+
+_CLEARANCE_CAP = 0.050
+_CLEARANCE_STEP = 0.0001
+
+
+def flat_cell(cell: Cell, margin: float) -> FlatCell:
+    """The packed form of a cell with the foot open; made once per cell.
+
+    margin: what the near zone is made smaller by [m] (`cell.CERTIFICATE_MARGIN`).
+    """
+    return pack(
+        cell.machine,
+        cell.panel,
+        cell.scene.solids,
+        cell.scene.pairs,
+        np.column_stack([cell.transit, cell.near]),
+        tip_pair=cell.tip_pair,
+        near_radius=cell.machine.policy.near_radius - margin,
+    )
+
+
+class KernelSpace:
+    """Space of one link: transit clearance, and the smaller one near the open poses at both ends.
+
+    flat: the packed cell. lower, upper: axis limits (7,). anchors: die tips of the link's open poses, each
+    (3,), panel frame [m]. A solid inside a part is not free: pieces are solid here, not surfaces. Counts what
+    it was asked, for the tables: `edges`. One thread at a time may ask one Space.
+    """
+
+    def __init__(self, flat: FlatCell, lower: Array, upper: Array, anchors: Sequence[Array]) -> None:
+        self._numbers, self._indices = flat
+        self._work = new_blocks(self._indices)
+        self._anchors = np.array(anchors, dtype=np.float64).reshape(-1, 3)
+        self._edge = np.empty((2, len(lower)))  # what is asked about, in the one type that is compiled for
+        self.lower, self.upper = lower, upper
+        self.edges = 0
+
+    def is_free(self, q: Array) -> bool:
+        """Whether `q` (7,) is within limits and keeps its clearances."""
+        self._edge[:] = q
+        return self._ask(self._edge, POSE) == 1.0
+
+    def edge_is_free(self, a: Array, b: Array) -> bool:
+        """Whether the whole segment is certified; see `robots.certified_edge`."""
+        self.edges += 1
+        self._edge[0], self._edge[1] = a, b
+        return self._ask(self._edge, PATH) == 1.0
+
+    def advance(self, a: Array, b: Array) -> Array:
+        """The farthest configuration on the segment up to which it is certified; the values of `a` where that
+        is nothing.
+        """
+        self.edges += 1
+        self._edge[0], self._edge[1] = a, b
+        self._ask(self._edge, ADVANCE)
+        reached: Array = self._edge[1].copy()
+        return reached
+
+    def guaranteed_clearance(self, waypoints: Array) -> float:
+        """A lower bound of the clearance over the whole path (N, 7) in [m]: certified, within 0.1 mm, capped
+        at 50 mm.
+        """
+        path = np.array(waypoints, dtype=np.float64)
+        low, high = 0.0, _CLEARANCE_CAP
+        while high - low > _CLEARANCE_STEP:
+            middle = (low + high) / 2.0
+            low, high = (middle, high) if self._ask(path, PATH, middle) == 1.0 else (low, middle)
+        return low
+
+    def _ask(self, path: Array, question: int, clearance: float = POLICY) -> float:
+        flat, work = (self._numbers, self._indices), self._work
+        return float(ask(*flat, *work, self._anchors, path, question, clearance))
