@@ -294,7 +294,7 @@ def test_same_bytes_on_repeat_and_another_seed_is_told_in_the_header() -> None:
 def test_the_kernel_and_its_oracle_install_the_same_fasteners_and_both_are_proved(checker: Checker) -> None:
     dies = [MACHINE.dies[die] for die in ("straight", "offset35")]
 
-    made = program_panel(MIXED, MACHINE, dies, checker=checker).program
+    made = program_panel(mixed(), MACHINE, dies, checker=checker).program
 
     assert outcome(made) == outcome(mixed_program("straight", "offset35"))
     assert made.verification is not None
