@@ -32,6 +32,7 @@ from robots.nc import (
     NcSearchRow,
     NcStep,
     NcSummary,
+    Row4,
 )
 from robots.nc_json import program_id, rounded
 from robots.panel import Fastener, Panel
@@ -91,8 +92,12 @@ def _machine(machine: Machine) -> NcMachine:
 def _datums(panel: Panel) -> NcDatums:
     mounting = np.array(panel.mounting)
     mounting[:3, 3] *= _MM
-    rows = tuple(tuple(row) for row in mounting.tolist())
-    return NcDatums(panel_frame_mm=rows, machine_datum_mm=(0.0, 0.0, 0.0))  # type: ignore[arg-type]
+    first, second, third, last = (_row(*values) for values in mounting.tolist())
+    return NcDatums(panel_frame_mm=(first, second, third, last), machine_datum_mm=(0.0, 0.0, 0.0))
+
+
+def _row(a: float, b: float, c: float, d: float) -> Row4:
+    return a, b, c, d
 
 
 def _policy(panel: Panel, machine: Machine) -> NcPolicy:
