@@ -84,7 +84,7 @@ class Cell:
         self._tip_radius = reach_about_axis(tip, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
         sphere = bounding_sphere(tip)
         self._tip_reach = float(np.linalg.norm(sphere.center)) + sphere.radius
-        self._last_tip_scene: tuple[str, TipScene] | None = None
+        self._last_tip_scene: tuple[tuple[object, ...], TipScene] | None = None
         self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
 
     def _needs(self, scene: Scene, *, near_fastener: bool) -> list[float]:
@@ -195,11 +195,16 @@ class Cell:
         """The tip's surroundings over the move, without the pieces it is meant to touch: the same at any die
         angle.
         """
+        key = (fastener.id, *(tuple(self._but_die_angle(q)) for q in (opened, clamped)))
         last = self._last_tip_scene
-        if last is None or last[0] != fastener.id:
-            last = (fastener.id, self._new_tip_scene(fastener, opened, clamped))
+        if last is None or last[0] != key:
+            last = (key, self._new_tip_scene(fastener, opened, clamped))
             self._last_tip_scene = last
         return last[1]
+
+    def _but_die_angle(self, q: Array) -> list[float]:
+        values: list[float] = np.delete(q, self.machine.index(self.machine.die_link)).tolist()
+        return values
 
     def _new_tip_scene(self, fastener: Fastener, opened: Array, clamped: Array) -> TipScene:
         clearance, depth = self.near[self.tip_pair], self.machine.policy.contact_depth

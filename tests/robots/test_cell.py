@@ -259,3 +259,22 @@ def test_sag_of_the_panel_adds_to_every_panel_clearance() -> None:
 
     assert added[PANEL] == pytest.approx(0.001)
     assert added["foot"] == 0.0
+
+
+def test_another_move_at_the_same_fastener_is_proved_among_its_own_surroundings() -> None:
+    """The tip's surroundings are kept from one die angle to the next, not from one place to another."""
+    reached = station("straight", 3)
+    assert isinstance(reached, Station)
+    where, across = cell("straight"), np.array([0, -0.006, 0, 0, 0, 0, 0])  # 6 mm towards the stringer's web
+
+    assert where.process_is_free(reached.fastener, reached.opened, reached.clamped)
+    known = where._last_tip_scene
+    where.process_is_free(reached.fastener, reached.opened + across, reached.clamped + across)
+    assert where._last_tip_scene is not known
+
+    turned = np.array([0, 0, 0, 0, 0, 0, 0.3])
+    kept = where._last_tip_scene
+    where.process_is_free(
+        reached.fastener, reached.opened + across + turned, reached.clamped + across + turned
+    )
+    assert where._last_tip_scene is kept
