@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from planners.arrays import Array
-from robots.kernel.compiled import compiled
+from planners.compiled import compiled
 from robots.kernel.layout import POSE_T, Ints, Point
 from robots.kernel.shapes import support
 from robots.kernel.simplex import closest_of

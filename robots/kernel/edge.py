@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from planners.arrays import Array
+from planners.compiled import compiled
 from robots.certified_edge import RESOLUTION
-from robots.kernel.compiled import compiled
 from robots.kernel.layout import LOWER, NEAR_RADIUS, POSE_T, UPPER, Ints
 from robots.kernel.motion import motion_of_pairs
 from robots.kernel.pairs import keep_near

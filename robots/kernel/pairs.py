@@ -7,7 +7,7 @@ reference, and that for twenty arrays and forty pairs costs more than the geomet
 from __future__ import annotations
 
 from planners.arrays import Array
-from robots.kernel.compiled import compiled
+from planners.compiled import compiled
 from robots.kernel.layout import Ints
 from robots.kernel.poses import place_solid
 from robots.kernel.within import piece_near_panel, solids_near

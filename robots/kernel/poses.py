@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from planners.arrays import Array
-from robots.kernel.compiled import compiled
+from planners.compiled import compiled
 from robots.kernel.layout import (
     BOX_CENTER,
     BOX_HALF,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from planners.arrays import Array
-from robots.kernel.compiled import compiled
+from planners.compiled import compiled
 from robots.kernel.layout import BOX, CYLINDER, HALF_LENGTH, OWN_CENTER, OWN_HALF, RADIUS, Ints, Point
 
 

@@ -8,7 +8,7 @@ Regions after Ericson 2005, Real-Time Collision Detection, 5.1.
 from __future__ import annotations
 
 from planners.arrays import Array
-from robots.kernel.compiled import compiled
+from planners.compiled import compiled
 
 Closest = tuple[int, float, float, float]
 

@@ -8,8 +8,8 @@ plates), then the boxes along the solid's axes, then `apart`.
 from __future__ import annotations
 
 from planners.arrays import Array
+from planners.compiled import compiled
 from robots.kernel.apart import not_apart
-from robots.kernel.compiled import compiled
 from robots.kernel.layout import (
     BOX_CENTER,
     BOX_HALF,

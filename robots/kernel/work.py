@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
 from planners.arrays import Array
-from robots.kernel.compiled import compiled
+from planners.compiled import compiled
 from robots.kernel.layout import (
     DEPTH,
     HEADER,

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from planners.arrays import Array
 from robots.cell import CERTIFICATE_MARGIN, Cell, LinkSpace
-from robots.kernel.compiled import source_digest
 from robots.kernel.flat import FlatCell, flat_panel, pack
 from robots.kernel.layout import MACHINE as MACHINE_ROW
 from robots.kernel.layout import PIECES, POSE_T, SOLIDS, Ints
@@ -376,16 +374,3 @@ def test_a_machine_of_another_layout_is_refused() -> None:
             tip_pair=where.tip_pair,
             near_radius=0.04,
         )
-
-
-def test_any_change_to_the_kernels_sources_sends_its_compiled_results_elsewhere(tmp_path: Path) -> None:
-    (tmp_path / "a.py").write_text("one = 1")
-    (tmp_path / "b.py").write_text("")
-    digests = [source_digest(tmp_path)]
-    (tmp_path / "a.py").write_text("one = 2")
-    digests.append(source_digest(tmp_path))
-    (tmp_path / "a.py").rename(tmp_path / "c.py")
-    digests.append(source_digest(tmp_path))
-
-    assert len(set(digests)) == 3
-    assert source_digest(tmp_path) == digests[-1]

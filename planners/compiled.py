@@ -1,8 +1,9 @@
-"""How the kernel's functions are compiled: without the GIL, kept on disk, and with plain IEEE arithmetic.
+"""How compiled functions are compiled: without the GIL, kept on disk, and with plain IEEE arithmetic.
 
 numba looks at one file only when it decides whether a kept result is still good, but a result holds the code
-of every function it calls. So results are kept apart by a digest of the whole package: an edited kernel can
-never run half old.
+of every function it calls. So results are kept apart by a digest of the whole package (folder) a function is
+in: an edited package can never run half old. A compiled function may therefore call compiled functions of its
+own folder only; those of another are handed over at run time.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -17,7 +19,6 @@ import numba
 from numba.core import config
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-_HERE = Path(__file__).parent
 
 
 def source_digest(folder: Path) -> str:
@@ -28,21 +29,20 @@ def source_digest(folder: Path) -> str:
     return digest.hexdigest()[:16]
 
 
-def cache_folder() -> Path:
-    """Where compiled results are kept: beside the sources, or in the user's cache if they are read-only."""
-    home = _HERE / "__pycache__"
-    writable = os.access(home if home.exists() else _HERE, os.W_OK)
-    return (home if writable else Path.home() / ".cache" / "rivetplan") / f"kernel-{source_digest(_HERE)}"
-
-
-_FOLDER = cache_folder()
+@cache
+def cache_folder(folder: Path) -> Path:
+    """Where results of a folder are kept: beside the sources, or in the user's cache if they are read-only."""
+    home = folder / "__pycache__"
+    writable = os.access(home if home.exists() else folder, os.W_OK)
+    return (home if writable else Path.home() / ".cache" / "rivetplan") / f"compiled-{source_digest(folder)}"
 
 
 def compiled(function: Function) -> Function:
     """Compile `function` on its first call, or load what an earlier process kept; a decorator."""
     settings: Any = config  # has what the environment may set, without types
     usual = settings.CACHE_DIR
-    settings.CACHE_DIR = str(Path(usual) / _FOLDER.name if usual else _FOLDER)
+    kept = cache_folder(Path(function.__code__.co_filename).parent)
+    settings.CACHE_DIR = str(Path(usual) / kept.name if usual else kept)
     try:
         decorated = numba.njit(nogil=True, cache=True, fastmath=False, error_model="numpy")(function)
     finally:
