@@ -31,7 +31,7 @@ def source_digest(folder: Path) -> str:
 
 @cache
 def cache_folder(folder: Path) -> Path:
-    """Where results of a folder are kept: beside the sources, or in the user's cache if they are read-only."""
+    """Where results of a folder are kept: beside the sources, else in the user's cache."""
     home = folder / "__pycache__"
     writable = os.access(home if home.exists() else folder, os.W_OK)
     return (home if writable else Path.home() / ".cache" / "rivetplan") / f"compiled-{source_digest(folder)}"
