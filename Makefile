@@ -1,6 +1,6 @@
 # Needs Python 3.11 or newer and make. Everything is installed into .venv; nothing else on the machine is touched.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-long bench lint format serve openapi lock clean
+.PHONY: help setup demo test test-long bench bench-quick lint format serve openapi lock clean
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -23,8 +23,11 @@ test: lint ## lint and the tests that are not marked long
 test-long: setup ## the tests that take minutes
 	$(BIN)/python -m pytest -q -m long
 
-bench: setup ## the planner's tables over hard links of the shell
+bench: .venv/bench ## every table: ours beside OMPL and the paper, whole shell, growth (half an hour)
 	@$(BIN)/python -m tests.benchmarks
+
+bench-quick: .venv/bench ## the same tables on a small sample (under a minute)
+	@$(BIN)/python -m tests.benchmarks --quick
 
 lint: setup ## style, formatting, types, layers
 	$(BIN)/ruff check .
@@ -45,6 +48,7 @@ openapi: setup ## write openapi/openapi.json anew
 lock: ## resolve the dependencies anew (needs uv)
 	uv pip compile pyproject.toml $(LOCK) -o requirements.lock
 	uv pip compile pyproject.toml --extra dev $(LOCK) -c requirements.lock -o requirements-dev.lock
+	uv pip compile pyproject.toml --extra bench $(LOCK) -c requirements.lock -o requirements-bench.lock
 
 clean: ## remove .venv, caches and out/
 	rm -rf .venv out build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
@@ -58,5 +62,11 @@ clean: ## remove .venv, caches and out/
 
 .venv/installed: .venv/locked pyproject.toml
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	$(BIN)/python -m planners
 	$(BIN)/python -m robots.kernel
+	$(BIN)/python -m robots.proof
+	@touch $@
+
+.venv/bench: .venv/installed requirements-bench.lock
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement requirements-bench.lock
 	@touch $@

@@ -1,10 +1,11 @@
 """Path planning on arrays and the Space protocol: it knows no shapes, no machines and no files."""
 
 from planners.arrays import Array, frozen
-from planners.detector import Detector, Stop, never
+from planners.detector import Detector, never
 from planners.errors import InvalidSetting, LimitExceeded, NotFinite, PlannerError, WrongShape
 from planners.escapes import Escape, EscapeArrays, EscapeLibrary
 from planners.link_planner import LinkPlanner
+from planners.native import NativeSpace, Stop
 from planners.path import Path
 from planners.region import Region
 from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
@@ -23,6 +24,7 @@ __all__ = [
     "InvalidSetting",
     "LimitExceeded",
     "LinkPlanner",
+    "NativeSpace",
     "NotFinite",
     "Path",
     "PathLimits",

@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from planners.arrays import Array, frozen
-from planners.detector import Detector
+from planners.block_time import block_time
+from planners.compiled import compiled
+from planners.detector import Asking, Detector, edge_is_free
 from planners.errors import InvalidSetting, WrongShape
 from planners.path import Path
+from planners.potential_field import copy
+
+SAME = 0.02
+"""In the common unit of places and weighted displacements: less apart, two escapes serve the same links."""
 
 
 @dataclass(frozen=True, eq=False)
 class Escape:
     """A smoothed path, stored relative to its departure.
 
-    name: says where it came from. where: position of the link, shape (k,), for "nearest first". offsets:
-    configurations less the first one, shape (N, n), N >= 2; less the last one they are what the goal sees.
+    name: says where it came from. where: the link's place for "nearest first": a vector (k,), or one for each
+    of its two ends, (2, k). offsets: configurations less the first one, shape (N, n), N >= 2; less the last
+    one they are what the goal sees.
     """
 
     name: str
@@ -30,8 +39,7 @@ class Escape:
     def __post_init__(self) -> None:
         object.__setattr__(self, "where", frozen(self.where))
         object.__setattr__(self, "offsets", frozen(self.offsets))
-        if self.where.ndim != 1:
-            raise WrongShape("where", "(k,)", str(self.where.shape))
+        _check_place(self.where)
         if self.offsets.ndim != 2 or len(self.offsets) < 2:
             raise WrongShape("offsets", "(N, n) with N >= 2", str(self.offsets.shape))
 
@@ -40,14 +48,14 @@ class Escape:
 
     def backwards(self) -> Escape:
         """The same motion the other way round, under the same name."""
-        return Escape(self.name, self.where, self.offsets[::-1] - self.offsets[-1])
+        return Escape(self.name, _turned(self.where), self.offsets[::-1] - self.offsets[-1])
 
 
 class EscapeArrays(NamedTuple):
     """A library as plain arrays, oldest escape first.
 
-    names: m. where: shape (m, k). lengths: N of each escape, (m,). offsets: all of them stacked, (sum N, n).
-    numbered: how many links were remembered so far, for the running numbers.
+    names: m. where: shape (m, k) or (m, 2, k). lengths: N of each escape, (m,). offsets: all of them stacked,
+    (sum N, n). numbered: how many links were remembered so far, for the running numbers.
     """
 
     names: tuple[str, ...]
@@ -57,31 +65,79 @@ class EscapeArrays(NamedTuple):
     numbered: int
 
 
-class EscapeLibrary:
-    """The escapes of the latest links, oldest forgotten first. Picklable; same calls, same answers."""
+class _Index(NamedTuple):
+    """Where m escapes were found, also turned round, (m, ...), and how far they lead, (m, n), for ranking."""
 
-    def __init__(self, kept: int = 64) -> None:
+    where: Array
+    turned: Array
+    moves: Array
+
+    @staticmethod
+    def of(escapes: Iterable[Escape]) -> _Index:
+        places = [(e.where.ravel(), _turned(e.where).ravel(), e.offsets[-1]) for e in escapes]
+        return _Index(*(np.array(column) for column in zip(*places, strict=True)))
+
+    def distances(self, where: Array, move: Array, weights: Array) -> Array:
+        """Of each escape as it is and turned round, (m, 2): between the places plus between displacements."""
+        places = [np.sqrt(((of - where.ravel()) ** 2).sum(axis=1)) for of in (self.where, self.turned)]
+        ways = [np.sqrt((((sign * self.moves - move) * weights) ** 2).sum(axis=1)) for sign in (1.0, -1.0)]
+        return np.column_stack([place + way for place, way in zip(places, ways, strict=True)])
+
+    def nearest(self, where: Array, move: Array, weights: Array) -> list[int]:
+        """Escapes in order, each as 2 i or, turned round, 2 i + 1."""
+        distances = self.distances(where, move, weights).ravel()
+        latest_first = np.arange(len(distances))[::-1]
+        best: list[int] = latest_first[np.argsort(distances[::-1], kind="stable")].tolist()
+        return best
+
+
+class EscapeLibrary:
+    """The escapes of the latest links, oldest forgotten first. Picklable; same calls, same answers.
+
+    escapes: those it begins with, oldest first; of one shape of `where`.
+    """
+
+    def __init__(self, kept: int = 64, escapes: Iterable[Escape] = ()) -> None:
         if kept < 1:
             raise InvalidSetting("kept", kept, "1 or more")
-        self._escapes: deque[Escape] = deque(maxlen=kept)
+        self._escapes: deque[Escape] = deque(escapes, maxlen=kept)
+        self._index: _Index | None = None
         self._numbered = 0
+        self._added = 0
 
     def __len__(self) -> int:
         return len(self._escapes)
 
+    @property
+    def added(self) -> tuple[Escape, ...]:
+        """Those remembered since the library was made, oldest first."""
+        return tuple(self._escapes)[max(0, len(self._escapes) - self._added) :]
+
     def remember(self, path: Path, where: ArrayLike, name: str | None = None) -> Escape:
-        """Store a smoothed path found at `where`, shape (k,); `name` is a running number if not given."""
+        """Store a smoothed path found at `where`, see `Escape`; `name` is a running number if not given."""
         name = str(self._numbered) if name is None else name
         escape = Escape(name, self._position(where), path.configurations - path.start)
         self._escapes.append(escape)
+        self._index = None
         self._numbered += 1
+        self._added += 1
         return escape
 
-    def recall(self, where: ArrayLike, count: int) -> list[Escape]:
-        """At most `count` escapes: nearest to `where` first, of equals the most recent first."""
+    def recall(self, where: ArrayLike, move: Array, weights: Array, count: int) -> list[Escape]:
+        """At most `count` escapes, as they are or turned round: best first, the latest of equals.
+
+        The best is the one found in the most similar place whose own displacement is most like `move`, the
+        goal less the start, (n,): the distance between the places plus the weighted one between the
+        displacements.
+        """
         here = self._position(where)
-        latest_first = reversed(self._escapes)
-        return sorted(latest_first, key=lambda escape: _distance(escape.where, here))[:count]
+        if count == 0 or not self._escapes:
+            return []
+        if self._index is None:
+            self._index = _Index.of(self._escapes)
+        best = self._index.nearest(here, move, weights)[:count]
+        found = [self._escapes[i // 2] for i in best]
+        return [escape.backwards() if i % 2 else escape for i, escape in zip(best, found, strict=True)]
 
     def to_arrays(self) -> EscapeArrays:
         """Export."""
@@ -107,43 +163,98 @@ class EscapeLibrary:
     def _position(self, where: ArrayLike) -> Array:
         """`where` as an array of the same shape as those before it; raises `WrongShape`."""
         position = frozen(where)
+        _check_place(position)
         expected = self._escapes[0].where.shape if self._escapes else position.shape
-        if position.ndim != 1 or position.shape != expected:
-            raise WrongShape("where", str(expected) if self._escapes else "(k,)", str(position.shape))
+        if position.shape != expected:
+            raise WrongShape("where", str(expected), str(position.shape))
         return position
 
 
-def replay(detector: Detector, escape: Escape, start: Array, goal: Array) -> list[Array]:
-    """Certified configurations from `start` to `goal`, shape (n,) each, following `escape`; none if it fails.
+def _check_place(where: Array) -> None:
+    if where.ndim not in (1, 2) or (where.ndim == 2 and len(where) != 2):
+        raise WrongShape("where", "(k,) or (2, k)", str(where.shape))
+
+
+def _turned(where: Array) -> Array:
+    """The place of the link the other way round."""
+    return where[::-1] if where.ndim == 2 else where
+
+
+def merged(
+    known: Iterable[Escape], found: Iterable[Escape], weights: Array, limits: Array, kept: int
+) -> tuple[Escape, ...]:
+    """`known` and then `found`; of those that lead the same way in the same place only the quickest, in the
+    oldest one's turn. At most `kept`, oldest forgotten first.
+
+    weights: (n,), as in `EscapeLibrary.recall`. limits: (3, n), as in `block_time`.
+    """
+    escapes = list(known)
+    for escape in found:
+        twin = _twin(escape, escapes, weights)
+        if twin is None:
+            escapes.append(escape)
+        elif _duration(escape, limits) < _duration(escapes[twin], limits):
+            escapes[twin] = escape
+    return tuple(escapes[-kept:])
+
+
+def _twin(escape: Escape, others: Sequence[Escape], weights: Array) -> int | None:
+    """Which of the `others` serves the same links, if one does."""
+    if not others:
+        return None
+    apart = _Index.of(others).distances(escape.where, escape.offsets[-1], weights).min(axis=1)
+    nearest = int(apart.argmin())
+    return nearest if apart[nearest] <= SAME else None
+
+
+def _duration(escape: Escape, limits: Array) -> float:
+    """[s] From end to end of the path with a stop at each waypoint."""
+    return sum(block_time(a, b, limits) for a, b in pairwise(escape.offsets))
+
+
+def replay(detector: Detector, escape: Escape, start: Array, goal: Array) -> Array:
+    """Certified configurations (N, n) from `start` to `goal`, shape (n,) each, following `escape`; none if it
+    fails.
 
     The escape is followed from the start as far as it is free, and backwards from the goal likewise. Then the
     two are joined by one straight segment: first from a waypoint to the one after it as the goal sees it (the
     last waypoint straight to the goal and the start straight to the first waypoint are the two ends of that
     series), then between the two images of one and the same waypoint.
     """
-    departure = _follow(detector, escape.offsets[:-1] + start)
-    arrival = _follow(detector, (escape.offsets - escape.offsets[-1])[:0:-1] + goal)
-    waypoints = len(escape.offsets)
-    for shared in (waypoints - 2, waypoints - 1):
-        for i in range(min(shared, len(departure) - 1), -1, -1):
+    offsets = np.array(escape.offsets)
+    path = np.empty((2 * len(offsets), len(start)))
+    return path[: join_ends(detector.asking, offsets, np.array(start), np.array(goal), path)]
+
+
+@compiled
+def join_ends(asking: Asking, offsets: Array, start: Array, goal: Array, path: Array) -> int:
+    """Compiled `replay`: write the configurations into `path` (2 N, n); return how many, 0 if it fails."""
+    size = len(offsets)
+    departure, arrival = np.empty((size - 1, len(start))), np.empty((size - 1, len(goal)))
+    for k in range(size - 1):
+        for i in range(len(start)):
+            departure[k, i] = offsets[k, i] - offsets[0, i] + start[i]
+            arrival[k, i] = offsets[size - 1 - k, i] - offsets[size - 1, i] + goal[i]
+    left, right = _follow(asking, departure), _follow(asking, arrival)
+    for shared in (size - 2, size - 1):
+        for i in range(min(shared, left - 1), -1, -1):
             j = shared - i
-            if j < len(arrival) and detector.edge_is_free(departure[i], arrival[j]):
-                return departure[: i + 1] + arrival[j::-1]
-    return []
+            if j < right and edge_is_free(asking, departure[i], arrival[j]):
+                for k in range(i + j + 2):
+                    copy(departure[k] if k <= i else arrival[i + j + 1 - k], path[k])
+                return i + j + 2
+    return 0
 
 
-def _follow(detector: Detector, configurations: Array) -> list[Array]:
-    """The leading `configurations` joined by certified segments; the first one is taken as free."""
-    space = detector.space
-    followed = [configurations[0]]
-    for q in configurations[1:]:
+@compiled
+def _follow(asking: Asking, configurations: Array) -> int:
+    """How many of the leading `configurations` (N, n) are joined by certified segments; the first one is
+    taken as free.
+    """
+    for k in range(1, len(configurations)):
         # At a joint stop the shifted waypoint is held at the stop: the test decides whether that still frees.
-        q = np.clip(q, space.lower, space.upper)
-        if not detector.edge_is_free(followed[-1], q):
-            break
-        followed.append(q)
-    return followed
-
-
-def _distance(a: Array, b: Array) -> float:
-    return float(np.linalg.norm(a - b))
+        for i in range(configurations.shape[1]):
+            configurations[k, i] = min(max(configurations[k, i], asking.lower[i]), asking.upper[i])
+        if not edge_is_free(asking, configurations[k - 1], configurations[k]):
+            return k
+    return len(configurations)

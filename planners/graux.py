@@ -6,6 +6,8 @@ is reset on success; after a failed walk the search goes on from where it ended.
 tested with the whole segment that leads to it, so that what is recorded is certified.
 """
 
+from __future__ import annotations
+
 from dataclasses import replace
 from time import perf_counter
 
@@ -13,17 +15,31 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planners.arrays import Array
-from planners.detector import Detector, Stop, never
-from planners.motions import Halt, Motion, Search, gradient, random_motion, setpoint
+from planners.compiled import compiled
+from planners.detector import Detector, never, spent
+from planners.motions import (
+    RECORDED,
+    SADDLES,
+    WALKS,
+    Motion,
+    Search,
+    gradient,
+    height,
+    mark_saddle,
+    new_search,
+    random_motion,
+    setpoint,
+)
+from planners.native import Stop
 from planners.outcome import found, unfinished, unsafe_end
+from planners.region import Searched
 from planners.request import checked_ends
 from planners.result import PlanCounts, PlanResult
 from planners.settings import PlannerSettings
-from planners.space import Space
 
 
 def plan(
-    space: Space,
+    space: Searched,
     start: ArrayLike,
     goal: ArrayLike,
     settings: PlannerSettings,
@@ -41,61 +57,59 @@ def plan(
     unsafe = unsafe_end(detector, q0, qf)
     if unsafe is not None:
         return unsafe
-    search = Search(detector, q0, qf, settings, rng)
-    reached = search_path(search, q0)
+    search = new_search(detector, q0, qf, settings, rng)
+    reached = search_path(search, settings.walk_start, settings.walk_growth, settings.walk_limit)
     seconds = perf_counter() - begin
+    record = search.configurations[: search.sizes[RECORDED]]
+    walks = tuple(search.walks[: search.sizes[WALKS]].tolist())
     if reached:
-        result = found(
-            detector, search.configurations, settings, _counts(search), seconds, "planned", search.saddles
-        )
+        saddles = search.saddles[: search.sizes[SADDLES]]
+        result = found(detector, record, settings, _counts(search), seconds, "planned", saddles)
     else:
-        result = unfinished(detector, search.configurations, _counts(search), seconds, _failure(search))
-    return replace(result, walks=tuple(search.walks))
+        why = _failure(detector, search, record)
+        result = unfinished(detector, record, _counts(search), seconds, why)
+    return replace(result, walks=walks)
 
 
-def search_path(search: Search, q: Array) -> bool:
-    """Search from `q`, recording into `search`; return whether it reached the goal (Graux 1992, Figure 8)."""
-    settings, potential = search.settings, search.potential
-    q, reached = setpoint(search, q)
-    if reached:
+@compiled
+def search_path(search: Search, walk_start: int, walk_growth: int, walk_limit: int) -> bool:
+    """Search from what is recorded so far; return whether the goal is reached (Graux 1992, Figure 8)."""
+    q = search.configurations[search.sizes[RECORDED] - 1].copy()
+    if setpoint(search, q):
         return True
-    u_min = potential(q)
-    duration = settings.walk_start
-    q, halt = gradient(search, q, u_min)
-    while not search.detector.spent:
-        if halt is Halt.SADDLE:
-            search.mark_saddle()
-            q, reached = setpoint(search, q)
-            if reached:
-                return True
-            u_min = min(u_min, potential(q))
-            q, halt = gradient(search, q, u_min)
-            continue
-        u_min = min(u_min, potential(q))
-        q, saddle = random_motion(search, q, duration, u_min)
+    u_min = height(search, q)
+    duration = walk_start
+    saddle = gradient(search, q, u_min)
+    while not spent(search.asking):
         if saddle:
-            duration = settings.walk_start
-            u_min = potential(q)
-            halt = Halt.SADDLE
+            mark_saddle(search)
+            if setpoint(search, q):
+                return True
+            u_min = min(u_min, height(search, q))
+            saddle = gradient(search, q, u_min)
             continue
-        duration += settings.walk_growth
-        if duration > settings.walk_limit:
+        u_min = min(u_min, height(search, q))
+        saddle = random_motion(search, q, duration, u_min)
+        if saddle:
+            duration = walk_start
+            u_min = height(search, q)
+            continue
+        duration += walk_growth
+        if duration > walk_limit:
             return False
-        q, halt = gradient(search, q, u_min)
+        saddle = gradient(search, q, u_min)
     return False
 
 
 def _counts(search: Search) -> PlanCounts:
-    in_setpoint, in_gradient, in_random = (search.motions.count(motion) for motion in Motion)
-    return PlanCounts(in_setpoint, in_gradient, in_random)
+    recorded = np.bincount(search.motions[1 : search.sizes[RECORDED]], minlength=len(Motion)).tolist()
+    return PlanCounts(*recorded)
 
 
-def _failure(search: Search) -> str:
-    detector = search.detector
+def _failure(detector: Detector, search: Search, record: Array) -> str:
+    walks = int(search.sizes[WALKS])
     cause = (
         f"the budget of {detector.limit} detections is spent" if detector.spent else "the longest walk failed"
     )
-    nearest = min(search.potential(q) for q in search.configurations)
-    return (
-        f"{len(search.walks)} random motions tried: {cause}; nearest to the goal at potential {nearest:.6g}"
-    )
+    nearest = np.sqrt((((record - search.goal) * search.weights) ** 2).sum(axis=1).min())
+    return f"{walks} random motions tried: {cause}; nearest to the goal at potential {nearest:.6g}"

@@ -1,154 +1,226 @@
-"""The three motions of Graux 1992: setpoint, gradient, random."""
+"""The three motions of Graux 1992: setpoint, gradient, random.
 
-from enum import StrEnum
+They are compiled, and change the configuration `q` they are given where they move it.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
 from planners.arrays import Array
-from planners.detector import Detector
-from planners.potential_field import AttractiveField, next_setpoint
+from planners.compiled import compiled
+from planners.detector import Asking, Detector, Ints, edge_is_free, spent
+from planners.potential_field import copy, next_setpoint, potential, same
 from planners.settings import PlannerSettings
 
 
-class Motion(StrEnum):
+class Motion(IntEnum):
     """The kind of motion that recorded a configuration."""
 
-    SETPOINT = "setpoint"
-    GRADIENT = "gradient"
-    RANDOM = "random"
+    SETPOINT = 0
+    GRADIENT = 1
+    RANDOM = 2
 
 
-class Halt(StrEnum):
-    """Why a gradient motion ended."""
-
-    SADDLE = "saddle"  # the potential is below the best local minimum so far, and the way on is free
-    MINIMUM = "minimum"  # no axis can move towards the goal: a deadlock
+SETPOINT, GRADIENT, RANDOM = (int(motion) for motion in Motion)
+RECORDED, SADDLES, WALKS = range(3)
 
 
-class Search:
+class Search(NamedTuple):
     """What the motions share while one path is searched: the goal, the rules, and the record.
 
-    start, goal: shape (n,). The record, `configurations`, begins with the start; `motions` tells for each
-    later one what recorded it; `saddles` are the indices from which a setpoint motion was taken up again;
-    `walks` are the durations of the random motions in [steps].
+    asking: of the detector. goal: (n,). rules (5, n): steps, weights, walking, forced, and work space for a
+    candidate. The record: configurations (N, n), the start first; motions (N,): for each later one what
+    recorded it; saddles: indices from which a setpoint motion was taken up again; walks: durations of the
+    random motions in [steps]; sizes (3,): how much of the three is filled.
     """
 
-    def __init__(
-        self,
-        detector: Detector,
-        start: Array,
-        goal: Array,
-        settings: PlannerSettings,
-        rng: np.random.Generator,
-    ) -> None:
-        self.detector = detector
-        self.goal = goal
-        self.settings = settings
-        self.rng = rng
-        self.potential = AttractiveField(goal, settings.weights)
-        self.configurations = [start]
-        self.motions: list[Motion] = []
-        self.saddles: list[int] = []
-        self.walks: list[int] = []
-
-    def moves(self, q: Array, candidate: Array, motion: Motion) -> bool:
-        """Whether the move from `q` to `candidate` is safe; if so it is recorded. One detection."""
-        safe = self.detector.edge_is_free(q, candidate)
-        if safe:
-            self.configurations.append(candidate)
-            self.motions.append(motion)
-        return safe
-
-    def mark_saddle(self) -> None:
-        """Remember the last recorded configuration as a saddle point."""
-        self.saddles.append(len(self.configurations) - 1)
+    asking: Asking
+    goal: Array
+    steps: Array
+    weights: Array
+    walking: Array
+    forced: Array
+    candidate: Array
+    order: Ints
+    rng: np.random.Generator
+    configurations: Array
+    motions: Ints
+    saddles: Ints
+    walks: Ints
+    sizes: Ints
 
 
-def setpoint(search: Search, q: Array) -> tuple[Array, bool]:
-    """Go straight to the goal; return the last safe configuration and whether it is the goal.
+def new_search(
+    detector: Detector, start: Array, goal: Array, settings: PlannerSettings, rng: np.random.Generator
+) -> Search:
+    """A search that has recorded `start` only; start, goal: (n,)."""
+    n, most = len(goal), detector.limit + 1
+    walks = most + settings.walk_limit // settings.walk_growth + 2
+    search = Search(
+        detector.asking,
+        np.array(goal),
+        np.array(settings.steps),
+        np.array(settings.weights),
+        np.array(settings.walking),
+        np.array(settings.forced),
+        np.empty(n),
+        np.arange(n),
+        rng,
+        np.empty((most, n)),
+        np.empty(most, dtype=np.int64),
+        np.empty(most, dtype=np.int64),
+        np.empty(walks, dtype=np.int64),
+        np.array([1, 0, 0], dtype=np.int64),
+    )
+    search.configurations[0] = start
+    return search
+
+
+@compiled
+def height(search: Search, q: Array) -> float:
+    """Potential of `q` (n,)."""
+    return potential(q, search.goal, search.weights)
+
+
+@compiled
+def moves(search: Search, q: Array, motion: int) -> bool:
+    """Whether the move from `q` to the candidate is safe; if so it is made and recorded. One detection."""
+    candidate = search.candidate
+    if not edge_is_free(search.asking, q, candidate):
+        return False
+    at = search.sizes[RECORDED]
+    copy(candidate, search.configurations[at])
+    search.motions[at] = motion
+    search.sizes[RECORDED] = at + 1
+    copy(candidate, q)
+    return True
+
+
+@compiled
+def mark_saddle(search: Search) -> None:
+    """Remember the last recorded configuration as a saddle point."""
+    search.saddles[search.sizes[SADDLES]] = search.sizes[RECORDED] - 1
+    search.sizes[SADDLES] += 1
+
+
+@compiled
+def setpoint(search: Search, q: Array) -> bool:
+    """Go straight to the goal; return whether it is reached. `q` ends at the last safe configuration.
 
     Graux 1992, The setpoint motion: recorded up to the halt point, the last configuration before collision.
     """
-    while not np.array_equal(q, search.goal):
-        candidate = next_setpoint(q, search.goal, search.settings.steps)
-        if not search.moves(q, candidate, Motion.SETPOINT):
-            return q, False
-        q = candidate
-    return q, True
+    while not same(q, search.goal):
+        next_setpoint(q, search.goal, search.steps, search.candidate)
+        if not moves(search, q, SETPOINT):
+            return False
+    return True
 
 
-def gradient(search: Search, q: Array, u_min: float) -> tuple[Array, Halt]:
-    """Move axis by axis, in random order, closer to the goal; return where it halted and why.
+@compiled
+def gradient(search: Search, q: Array, u_min: float) -> bool:
+    """Move axis by axis, in random order, closer to the goal; return whether it halted at a saddle point, and
+    not in a deadlock, where no axis can move towards the goal.
 
-    Graux 1992, The gradient motion. `u_min` is the potential of the best local minimum so far.
+    Graux 1992, The gradient motion. `u_min` is the potential of the best local minimum so far; a saddle point
+    is below it and the way on is free.
     """
     moved = True
     while moved:
         moved = False
-        for axis in search.rng.permutation(len(q)):
+        shuffle(search.order, search.rng)
+        for axis in search.order:
             if q[axis] == search.goal[axis]:
                 continue
-            candidate = axis_step(q, search.goal, search.settings.steps, int(axis))
-            if not search.moves(q, candidate, Motion.GRADIENT):
+            axis_step(q, search.goal, search.steps, axis, search.candidate)
+            if not moves(search, q, GRADIENT):
                 continue
-            q, moved = candidate, True
-            if search.potential(q) < u_min and _way_on_is_free(search, q):
-                return q, Halt.SADDLE
-    return q, Halt.MINIMUM
+            moved = True
+            if height(search, q) < u_min and _way_on_is_free(search, q):
+                return True
+    return False
 
 
-def axis_step(q: Array, goal: Array, steps: Array, axis: int) -> Array:
-    """Copy of `q` with one axis moved by its step, or by what remains, towards `goal`. Shapes (n,)."""
-    candidate = q.copy()
+@compiled
+def shuffle(order: Ints, rng: np.random.Generator) -> None:
+    """Bring `order` (n,) into random order, all equally likely (Durstenfeld 1964)."""
+    for last in range(len(order) - 1, 0, -1):
+        other = rng.integers(0, last + 1)
+        order[last], order[other] = order[other], order[last]
+
+
+@compiled
+def axis_step(q: Array, goal: Array, steps: Array, axis: int, candidate: Array) -> None:
+    """Write `q` with one axis moved by its step, or by what remains, towards `goal`. Shapes (n,)."""
+    copy(q, candidate)
     remaining = goal[axis] - q[axis]
-    candidate[axis] = (
-        goal[axis] if abs(remaining) <= steps[axis] else q[axis] + np.copysign(steps[axis], remaining)
-    )
-    return candidate
+    if abs(remaining) <= steps[axis]:
+        candidate[axis] = goal[axis]
+    else:
+        candidate[axis] = q[axis] + np.copysign(steps[axis], remaining)
 
 
-def random_motion(search: Search, q: Array, duration: int, u_min: float) -> tuple[Array, bool]:
-    """Walk `duration` random steps; return where it ended and whether that is a saddle point (U < u_min).
+@compiled
+def random_motion(search: Search, q: Array, duration: int, u_min: float) -> bool:
+    """Walk `duration` random steps; return whether it ended at a saddle point (U < u_min).
 
     Graux 1992, The random motion: a discrete motion which tends towards a Brownian motion. An unsafe step is
     refused and the position kept.
     """
-    search.walks.append(duration)
-    settings, space = search.settings, search.detector.space
-    if not settings.can_walk:
-        return q, False
-    signs = search.rng.integers(0, 2, size=(duration, len(q))) * 2.0 - 1.0
-    shifts = (signs * settings.walking + settings.forced) * settings.steps
-    for shift in shifts:
-        candidate = walk_step(q, shift, settings.forced, space.lower, space.upper)
-        if search.moves(q, candidate, Motion.RANDOM):
-            q = candidate
-            if search.potential(q) < u_min:
-                return q, True
-    return q, False
+    search.walks[search.sizes[WALKS]] = duration
+    search.sizes[WALKS] += 1
+    if not _can_walk(search):
+        return False
+    for _ in range(duration):
+        if spent(search.asking):
+            return False
+        for i in range(len(q)):
+            sign = 2.0 * search.rng.integers(0, 2) - 1.0
+            search.candidate[i] = q[i] + (sign * search.walking[i] + search.forced[i]) * search.steps[i]
+        keep_within(search.candidate, search.forced, search.asking.lower, search.asking.upper)
+        if moves(search, q, RANDOM) and height(search, q) < u_min:
+            return True
+    return False
 
 
-def walk_step(q: Array, shift: Array, forced: Array, lower: Array, upper: Array) -> Array:
-    """Move `q` by `shift` within the joint stops: free axes fold back, forced ones stay at the stop.
+@compiled
+def _can_walk(search: Search) -> bool:
+    for i in range(len(search.walking)):
+        if search.walking[i] != 0.0 or search.forced[i] != 0.0:
+            return True
+    return False
+
+
+@compiled
+def keep_within(q: Array, forced: Array, lower: Array, upper: Array) -> None:
+    """Bring `q` back within the joint stops: free axes fold back, forced ones stay at the stop.
 
     Folding a forced axis back would move it against its forced direction. All arrays have shape (n,).
     """
-    candidate: Array = q + shift
-    if ((candidate >= lower) & (candidate <= upper)).all():
-        return candidate
-    return np.where(forced != 0.0, np.clip(candidate, lower, upper), reflected(candidate, lower, upper))
+    for i in range(len(q)):
+        if lower[i] <= q[i] <= upper[i]:
+            continue
+        if forced[i] == 0.0:
+            q[i] = reflected(q[i], lower[i], upper[i])
+        q[i] = min(max(q[i], lower[i]), upper[i])
 
 
-def reflected(q: Array, lower: Array, upper: Array) -> Array:
-    """Fold `q` back at the bounds as a mirror does, as often as needed. Shapes (n,)."""
+@compiled
+def reflected(value: float, lower: float, upper: float) -> float:
+    """Fold a value back at the bounds as a mirror does, as often as needed."""
     width = upper - lower
-    period = np.where(width > 0.0, 2.0 * width, 1.0)
-    beyond = np.mod(q - lower, period)
-    folded = lower + np.minimum(beyond, 2.0 * width - beyond)
-    # A value within its bounds stays as it is, bit for bit; rounding must not leave the bounds.
-    return np.where((q >= lower) & (q <= upper), q, np.clip(folded, lower, upper))
+    if not width > 0.0:
+        return lower
+    beyond = (value - lower) % (2.0 * width)
+    return lower + min(beyond, 2.0 * width - beyond)
 
 
+@compiled
 def _way_on_is_free(search: Search, q: Array) -> bool:
-    step = next_setpoint(q, search.goal, search.settings.steps)
-    return np.array_equal(q, search.goal) or search.detector.edge_is_free(q, step)
+    if same(q, search.goal):
+        return True
+    next_setpoint(q, search.goal, search.steps, search.candidate)
+    return edge_is_free(search.asking, q, search.candidate)

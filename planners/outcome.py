@@ -7,12 +7,13 @@ from time import perf_counter
 import numpy as np
 
 from planners.arrays import Array
-from planners.detector import Detector
+from planners.detector import Detector, Ints
 from planners.path import Path
+from planners.quickening import quickened
+from planners.region import outside_axis
 from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
 from planners.settings import PlannerSettings
 from planners.smoothing import smooth
-from planners.space import outside_axis
 
 
 def unsafe_end(detector: Detector, start: Array, goal: Array) -> PlanResult | None:
@@ -34,21 +35,23 @@ def unsafe_end(detector: Detector, start: Array, goal: Array) -> PlanResult | No
 
 def found(
     detector: Detector,
-    record: Sequence[Array],
+    record: Array,
     settings: PlannerSettings,
     counts: PlanCounts,
     seconds: float,
     origin: str,
-    saddles: Sequence[int] = (),
+    saddles: Sequence[int] | Ints = (),
 ) -> PlanResult:
-    """The answer of a search that reached the goal: its record smoothed.
+    """The answer of a search that reached the goal: its record smoothed, first by leaving out waypoints, then
+    by time.
 
-    record: N configurations of shape (n,), joined by certified segments. counts: of the three motions; the
+    record: configurations (N, n), joined by certified segments. counts: of the three motions; the
     detections are added here. seconds: search time.
     """
     begin = perf_counter()
-    smoother = Detector(detector.space, settings.smoothing_detections, detector.stop)
-    path = Path(np.array(smooth(smoother, record, saddles)))
+    smoother = detector.with_limit(settings.smoothing_detections)
+    path = Path(quickened(smoother, smooth(smoother, record, saddles), settings))
+    smoother.raise_error()
     times = PlanTimes(seconds, detector.seconds, perf_counter() - begin)
     counts = replace(
         counts,
@@ -56,18 +59,18 @@ def found(
         smoothing_detections=smoother.detections,
         after_smoothing=len(path),
     )
-    return PlanResult(PlanStatus.SUCCESS, path, Path(np.array(record)), counts, times, origin)
+    return PlanResult(PlanStatus.SUCCESS, path, Path(record), counts, times, origin)
 
 
 def unfinished(
-    detector: Detector, record: Sequence[Array], counts: PlanCounts, seconds: float, reason: str
+    detector: Detector, record: Array, counts: PlanCounts, seconds: float, reason: str
 ) -> PlanResult:
     """The answer of a search that did not reach the goal: STOPPED with `reason`, or CANCELLED."""
     status = PlanStatus.STOPPED
     if detector.cancelled:
         status, reason = PlanStatus.CANCELLED, f"cancelled after {detector.detections} detections"
     counts = replace(counts, detections=detector.detections)
-    path = Path(np.array(record))
+    path = Path(record)
     return PlanResult(status, path, path, counts, PlanTimes(seconds, detector.seconds), reason=reason)
 
 

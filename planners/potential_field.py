@@ -1,35 +1,53 @@
 """The attractive potential, and the straight step that follows it."""
 
-from dataclasses import dataclass
+from __future__ import annotations
 
-import numpy as np
+import math
 
 from planners.arrays import Array
+from planners.compiled import compiled
 
 
-@dataclass(frozen=True, eq=False)
-class AttractiveField:
-    """U(q) = sqrt(sum_i (w_i (goal_i - q_i))^2): obstacles do not repel, they only refuse.
+@compiled
+def potential(q: Array, goal: Array, weights: Array) -> float:
+    """U(q) = sqrt(sum_i (w_i (goal_i - q_i))^2): obstacles do not repel, they only refuse. Shapes (n,).
 
-    goal: shape (n,). weights: w, shape (n,), common unit per axis unit.
+    weights: w, common unit per axis unit.
     """
-
-    goal: Array
-    weights: Array
-
-    def __call__(self, q: Array) -> float:
-        difference = (self.goal - q) * self.weights
-        return float(np.sqrt(difference @ difference))
+    square = 0.0
+    for i in range(len(q)):
+        square += (weights[i] * (goal[i] - q[i])) ** 2
+    return math.sqrt(square)
 
 
-def next_setpoint(q: Array, goal: Array, steps: Array) -> Array:
-    """One coordinated step on the straight line to `goal`: max_i |dq_i| / step_i = 1, the last lands on it.
+@compiled
+def next_setpoint(q: Array, goal: Array, steps: Array, candidate: Array) -> None:
+    """Write one coordinated step on the straight line to `goal` into `candidate`: max_i |dq_i| / step_i = 1,
+    the last lands on it.
 
     Graux 1992, The setpoint motion. All arrays have shape (n,).
     """
-    difference = goal - q
-    ratio = float(np.max(np.abs(difference) / steps))
+    ratio = 0.0
+    for i in range(len(q)):
+        ratio = max(ratio, abs(goal[i] - q[i]) / steps[i])
     if ratio <= 1.0 + 1e-9:  # else rounding would leave a last step of no length
-        return goal
-    step: Array = q + difference / ratio
-    return step
+        copy(goal, candidate)
+        return
+    for i in range(len(q)):
+        candidate[i] = q[i] + (goal[i] - q[i]) / ratio
+
+
+@compiled
+def same(a: Array, b: Array) -> bool:
+    """Whether two configurations (n,) are equal, bit for bit but for the sign of zero."""
+    for i in range(len(a)):
+        if a[i] != b[i]:
+            return False
+    return True
+
+
+@compiled
+def copy(q: Array, into: Array) -> None:
+    """Write one configuration (n,) over another. A loop, because assigned slices take seconds to compile."""
+    for i in range(len(q)):
+        into[i] = q[i]

@@ -1,46 +1,29 @@
 """A box around start and goal: restricting the search is most of what makes it fast."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from planners.arrays import Array, frozen
+from planners.arrays import Array
 from planners.settings import PlannerSettings
 from planners.space import Space
 
 
+@dataclass(frozen=True, eq=False)
 class Region:
-    """A Space seen within a box. Boxes are convex, so an edge is inside when its ends are.
+    """A box, `lower` to `upper` (n,), within the bounds of `space`: what leaves it is not free.
 
-    lower, upper: shape (n,), within the bounds of `space`.
+    Boxes are convex, so an edge is inside when its ends are; `Detector` keeps searches inside.
     """
 
-    def __init__(self, space: Space, lower: Array, upper: Array) -> None:
-        self.space = space
-        self.lower = frozen(lower)
-        self.upper = frozen(upper)
+    space: Space
+    lower: Array
+    upper: Array
 
-    def is_free(self, q: Array) -> bool:
-        return self._holds(q) and self.space.is_free(q)
 
-    def edge_is_free(self, a: Array, b: Array) -> bool:
-        return self._holds(a) and self._holds(b) and self.space.edge_is_free(a, b)
-
-    def advance(self, a: Array, b: Array) -> Array:
-        return self.space.advance(a, self._cut(a, b))
-
-    def _holds(self, q: Array) -> bool:
-        return bool(((q >= self.lower) & (q <= self.upper)).all())
-
-    def _cut(self, a: Array, b: Array) -> Array:
-        """Last point within the box on the segment from `a`, which is inside, towards `b`."""
-        if self._holds(b):
-            return b
-        step = b - a
-        room = np.where(step > 0.0, self.upper - a, a - self.lower)
-        moving = step != 0.0
-        fraction = float(np.min(room[moving] / np.abs(step[moving])))
-        return np.clip(a + fraction * step, self.lower, self.upper)
+Searched = Space | Region
+"""Where a search may take place."""
 
 
 def growing_regions(
@@ -59,3 +42,9 @@ def growing_regions(
         lower, upper = np.maximum(space.lower, low - margins), np.minimum(space.upper, high + margins)
         yield Region(space, lower, upper), int(settings.engine_detections * growth)
         growth *= settings.region_growth
+
+
+def outside_axis(space: Searched, q: Array) -> int | None:
+    """Index of the first axis on which `q` leaves the bounds of `space`; None when it is within them."""
+    beyond = np.flatnonzero((q < space.lower) | (q > space.upper))
+    return int(beyond[0]) if beyond.size else None

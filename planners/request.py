@@ -5,12 +5,12 @@ from numpy.typing import ArrayLike
 
 from planners.arrays import Array, frozen
 from planners.errors import NotFinite, WrongShape
+from planners.region import Searched
 from planners.settings import PlannerSettings
-from planners.space import Space
 
 
 def checked_ends(
-    space: Space, start: ArrayLike, goal: ArrayLike, settings: PlannerSettings
+    space: Searched, start: ArrayLike, goal: ArrayLike, settings: PlannerSettings
 ) -> tuple[Array, Array]:
     """Return frozen copies of start and goal, shape (n,) each; raise `WrongShape` or `NotFinite`.
 

@@ -7,16 +7,17 @@ v_i / |delta_i|.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import accumulate
 
 import numpy as np
 from numpy.typing import ArrayLike
-from ruckig import InputParameter, Ruckig, Trajectory
 
 from planners.arrays import Array, frozen
 from planners.errors import InvalidSetting, LimitExceeded, NotFinite, WrongShape
 
+_HALFWAY = 0.5 ** (1.0 / 3.0)  # acceleration (and time) at which a jerk of 1 is turned round, without limits
 _JERK_SIGNS = (1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0)
 
 
@@ -85,12 +86,12 @@ def path_limits(deltas: ArrayLike, v_max: ArrayLike, a_max: ArrayLike, j_max: Ar
     deltas: goal less start of the block, shape (n,), [m] or [rad]. v_max, a_max, j_max: shape (n,), above 0.
     Raises `WrongShape`, `NotFinite` or `InvalidSetting`.
     """
-    moves = np.abs(_vector("deltas", deltas))
-    limits = [
-        _axis_limits(name, values, moves)
-        for name, values in (("v_max", v_max), ("a_max", a_max), ("j_max", j_max))
-    ]
-    return PathLimits(*limits)
+    moves = [abs(delta) for delta in _vector("deltas", deltas)]
+    return PathLimits(
+        _axis_limit("v_max", v_max, moves),
+        _axis_limit("a_max", a_max, moves),
+        _axis_limit("j_max", j_max, moves),
+    )
 
 
 def exact_stop(
@@ -102,51 +103,55 @@ def exact_stop(
     faster than the axes allow.
     """
     allowed = path_limits(deltas, v_max, a_max, j_max)
-    if np.isinf(allowed.v):
-        return ExactStop(allowed, (0.0,) * 7)
-    if limits is None:
-        return ExactStop(allowed, _phases(allowed))
+    if limits is None or math.isinf(allowed.v):
+        return rest_to_rest(allowed)
     for name in ("v", "a", "j"):
         value, most = getattr(limits, name), getattr(allowed, name)
         if not value > 0.0:
             raise InvalidSetting(f"limits.{name}", value, "above 0")
         if value > most:
             raise LimitExceeded(name, value, most)
-    return ExactStop(limits, _phases(limits))
+    return rest_to_rest(limits)
+
+
+def rest_to_rest(limits: PathLimits) -> ExactStop:
+    """The fastest profile within `limits`, above 0, as `path_limits` gives them or below."""
+    return ExactStop(limits, (0.0,) * 7 if math.isinf(limits.v) else _phases(limits))
 
 
 def _phases(limits: PathLimits) -> tuple[float, ...]:
-    """Durations [s] of the seven phases from s = 0 to 1.
+    """Durations [s] of the seven phases from s = 0 to 1 (Biagiotti and Melchiorri 2008, section 3.4).
 
-    Solved in the time unit (1/j)^(1/3), where the jerk is 1: so blocks of 10 um and of 12 m look much alike,
-    and the solver's tolerances suit both. There a rest-to-rest move of length 1 cannot pass v = 0.63 or a =
-    0.80; limits far above are cut.
+    Solved in the time unit (1/j)^(1/3), where the jerk is 1: so blocks of 10 um and of 12 m look much alike.
     """
     unit = limits.j ** (-1.0 / 3.0)  # [s]
-    request = InputParameter(1)
-    request.current_position, request.target_position = [0.0], [1.0]
-    request.max_velocity = [min(limits.v * unit, 10.0)]
-    request.max_acceleration = [min(limits.a * unit**2, 10.0)]
-    request.max_jerk = [1.0]
-    trajectory = Trajectory(1)
-    Ruckig(1).calculate(request, trajectory)
-    return tuple(phase * unit for phase in trajectory.profiles[0][0].t)
+    v, a = limits.v * unit, limits.a * unit**2
+    peak = min(v, _HALFWAY**2 if a >= _HALFWAY else 0.5 * a * (math.sqrt(a * a + 4.0 / a) - a))
+    jerking = min(a, math.sqrt(peak))
+    steady = max(peak / jerking - jerking, 0.0)
+    cruising = max(1.0 / peak - 2.0 * jerking - steady, 0.0)
+    phases = (jerking, steady, jerking, cruising, jerking, steady, jerking)
+    return tuple([phase * unit for phase in phases])
 
 
-def _axis_limits(name: str, values: ArrayLike, moves: Array) -> float:
+def _axis_limit(name: str, values: ArrayLike, moves: list[float]) -> float:
+    """The least limit / move over the axes that move; infinite when none does."""
     limits = _vector(name, values)
-    if limits.shape != moves.shape:
-        raise WrongShape(name, str(moves.shape), str(limits.shape))
-    if not (limits > 0.0).all():
-        raise InvalidSetting(name, float(limits.min()), "above 0")
-    moving = moves > 0.0
-    return float(np.min(limits[moving] / moves[moving])) if moving.any() else np.inf
+    if len(limits) != len(moves):
+        raise WrongShape(name, str((len(moves),)), str((len(limits),)))
+    least = min(limits, default=math.inf)
+    if not least > 0.0:
+        raise InvalidSetting(name, least, "above 0")
+    return min(
+        [limit / move for limit, move in zip(limits, moves, strict=True) if move > 0.0], default=math.inf
+    )
 
 
-def _vector(name: str, values: ArrayLike) -> Array:
-    array = frozen(values)
+def _vector(name: str, values: ArrayLike) -> list[float]:
+    array = np.asarray(values, dtype=np.float64)
     if array.ndim != 1:
         raise WrongShape(name, "(n,)", str(array.shape))
-    if not np.isfinite(array).all():
+    numbers: list[float] = array.tolist()
+    if not all(map(math.isfinite, numbers)):
         raise NotFinite(name)
-    return array
+    return numbers

@@ -1,74 +1,51 @@
-"""RRT-Connect: two trees that grow towards each other (Kuffner and LaValle, ICRA 2000): the fallback.
+"""RRT-Connect: two trees that grow towards each other (Kuffner and LaValle, ICRA 2000).
 
-Departure from the source: a branch is as long as its certified advance, so trees stay small and every branch
-is certified. Distances are taken with the axes scaled by their weights.
+Branches are certified edges; one that is refused costs little, mostly one pose. Distances are taken with the
+axes scaled by their weights.
 """
 
+from __future__ import annotations
+
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from planners.arrays import Array
-from planners.detector import Detector, Stop, never
+from planners.compiled import compiled
+from planners.detector import Asking, Detector, Ints, edge_is_free, never, spent
+from planners.native import Stop
 from planners.outcome import found, unfinished, unsafe_end
+from planners.potential_field import copy, potential, same
+from planners.region import Searched
 from planners.request import checked_ends
 from planners.result import PlanCounts, PlanResult
 from planners.settings import PlannerSettings
-from planners.space import Space
-
-_PROGRESS = 1e-3  # of the branch reach: a shorter advance is a node on top of its parent
 
 
-class Tree:
-    """Configurations with their parents, in arrays that double when full.
+class Tree(NamedTuple):
+    """Configurations (N, n) with their parents (N,), the root first; size (1,): how many there are."""
 
-    root: shape (n,). weights: shape (n,).
+    configurations: Array
+    parents: Ints
+    size: Ints
+
+
+class Growth(NamedTuple):
+    """What both trees need. weights (n,); reach: longest branch, in the weights' unit; candidate: work space
+    (n,).
     """
 
-    def __init__(self, root: Array, weights: Array) -> None:
-        self._weights = weights
-        self._configurations = np.empty((64, len(root)))
-        self._scaled = np.empty((64, len(root)))
-        self._parents = np.empty(64, dtype=np.intp)
-        self.size = 0
-        self.add(root, 0)
-
-    def __getitem__(self, index: int) -> Array:
-        q: Array = self._configurations[index]
-        return q
-
-    def add(self, q: Array, parent: int) -> int:
-        """Append `q` below `parent`; return its index."""
-        if self.size == len(self._parents):
-            self._grow()
-        index = self.size
-        self._configurations[index] = q
-        self._scaled[index] = q * self._weights
-        self._parents[index] = parent
-        self.size += 1
-        return index
-
-    def nearest(self, q: Array) -> int:
-        """Index of the nearest configuration in the weighted metric; the oldest of equals."""
-        difference = self._scaled[: self.size] - q * self._weights
-        return int(np.argmin(np.einsum("ij,ij->i", difference, difference)))
-
-    def branch(self, index: int) -> list[Array]:
-        """Configurations from the root to `index`."""
-        indices = [index]
-        while indices[-1] != 0:
-            indices.append(int(self._parents[indices[-1]]))
-        return [self._configurations[i].copy() for i in reversed(indices)]
-
-    def _grow(self) -> None:
-        self._configurations = np.concatenate([self._configurations, np.empty_like(self._configurations)])
-        self._scaled = np.concatenate([self._scaled, np.empty_like(self._scaled)])
-        self._parents = np.concatenate([self._parents, np.empty_like(self._parents)])
+    asking: Asking
+    rng: np.random.Generator
+    weights: Array
+    reach: float
+    candidate: Array
 
 
 def plan(
-    space: Space,
+    space: Searched,
     start: ArrayLike,
     goal: ArrayLike,
     settings: PlannerSettings,
@@ -77,8 +54,8 @@ def plan(
 ) -> PlanResult:
     """Search a path from `start` to `goal`, shape (n,) each, with two trees, and smooth it.
 
-    Same answers and errors as `graux.plan`; an `advance` is one detection. Samples come from the bounds of
-    `space`, so a Region keeps the trees small.
+    Same answers and errors as `graux.plan`. Samples come from the bounds of `space`, so a Region keeps the
+    trees small.
     """
     q0, qf = checked_ends(space, start, goal, settings)
     begin = perf_counter()
@@ -86,60 +63,127 @@ def plan(
     unsafe = unsafe_end(detector, q0, qf)
     if unsafe is not None:
         return unsafe
-    trees = Tree(q0, settings.weights), Tree(qf, settings.weights)
-    record = _grow_until_joined(detector, trees, settings, rng)
+    growth = Growth(
+        detector.asking,
+        rng,
+        np.array(settings.weights),
+        settings.branch_reach,
+        np.empty(len(q0)),
+    )
+    trees = new_tree(q0, detector.limit + 1), new_tree(qf, detector.limit + 1)
+    path = np.empty((2 * detector.limit + 2, len(q0)))
+    count = grow_until_joined(growth, *trees, path)
     seconds = perf_counter() - begin
-    if record:
-        return found(detector, record, settings, PlanCounts(), seconds, "fallback")
-    reason = f"stopped with trees of {trees[0].size} and {trees[1].size} configurations: the budget is spent"
-    return unfinished(detector, [q0], PlanCounts(), seconds, reason)
+    if count:
+        return found(detector, path[:count], settings, PlanCounts(), seconds, "planned")
+    sizes = [int(tree.size[0]) for tree in trees]
+    reason = f"stopped with trees of {sizes[0]} and {sizes[1]} configurations: the budget is spent"
+    return unfinished(detector, q0[np.newaxis], PlanCounts(), seconds, reason)
 
 
-def _grow_until_joined(
-    detector: Detector, trees: tuple[Tree, Tree], settings: PlannerSettings, rng: np.random.Generator
-) -> list[Array]:
-    """Configurations from root to root, or nothing when the budget is spent first."""
-    space = detector.space
-    growing, other = trees
-    while not detector.spent:
-        sample = space.lower + rng.random(len(space.lower)) * (space.upper - space.lower)
-        tip = _extend(detector, growing, sample, settings, settings.branch_reach)
-        if tip is not None:
-            joint = _extend(detector, other, growing[tip], settings, np.inf)
-            if joint is not None and _meet(detector, other[joint], growing[tip], settings):
-                return _joined(growing.branch(tip), other.branch(joint), growing is trees[0])
-        growing, other = other, growing
-    return []
+def new_tree(root: Array, most: int) -> Tree:
+    """A tree of its root (n,) with room for `most` configurations."""
+    tree = Tree(np.empty((most, len(root))), np.zeros(most, dtype=np.int64), np.ones(1, dtype=np.int64))
+    tree.configurations[0] = root
+    return tree
 
 
-def _extend(
-    detector: Detector, tree: Tree, target: Array, settings: PlannerSettings, reach: float
-) -> int | None:
-    """Grow `tree` from its nearest configuration towards `target`, at most `reach`; None for no gain."""
-    parent = tree.nearest(target)
-    near = tree[parent].copy()
-    distance = _distance(near, target, settings)
-    aim = target if distance <= reach else near + (target - near) * (reach / distance)
-    tip = detector.advance(near, aim)
-    if _distance(near, tip, settings) < _PROGRESS * settings.branch_reach:
-        return None
-    return tree.add(tip, parent)
+@compiled
+def grow_until_joined(growth: Growth, from_start: Tree, from_goal: Tree, path: Array) -> int:
+    """Write the configurations from root to root into `path`; return how many, 0 when the budget is spent
+    first.
+    """
+    growing, other = from_start, from_goal
+    forward = True
+    sample = np.empty(len(growth.candidate))
+    while not spent(growth.asking):
+        for i in range(len(sample)):
+            lower, upper = growth.asking.lower[i], growth.asking.upper[i]
+            sample[i] = lower + growth.rng.random() * (upper - lower)
+        tip = extend(growth, growing, sample, nearest(growing, sample, growth.weights))
+        if tip >= 0:
+            target = growing.configurations[tip]
+            joint = connect(growth, other, target)
+            if joint >= 0:
+                if forward:
+                    return _joined(from_start, tip, from_goal, joint, path)
+                return _joined(from_start, joint, from_goal, tip, path)
+        growing, other, forward = other, growing, not forward
+    return 0
 
 
-def _meet(detector: Detector, a: Array, b: Array, settings: PlannerSettings) -> bool:
-    """Whether `a` is `b`; but for rounding, where the space computed its way to `b`, and then by a certified
-    edge."""
-    if np.array_equal(a, b):
-        return True
-    return _distance(a, b, settings) < _PROGRESS * settings.branch_reach and detector.edge_is_free(a, b)
+@compiled
+def extend(growth: Growth, tree: Tree, target: Array, parent: int) -> int:
+    """Grow `tree` from the configuration `parent` towards `target`, at most `reach`; return the new index, -1
+    where the branch is not free.
+    """
+    near, candidate = tree.configurations[parent], growth.candidate
+    distance = potential(near, target, growth.weights)
+    copy(target, candidate)
+    if distance > growth.reach:
+        for i in range(len(candidate)):
+            candidate[i] = near[i] + (target[i] - near[i]) * (growth.reach / distance)
+    if not edge_is_free(growth.asking, near, candidate):
+        return -1
+    return add(tree, candidate, parent)
 
 
-def _distance(a: Array, b: Array, settings: PlannerSettings) -> float:
-    return float(np.linalg.norm((b - a) * settings.weights))
+@compiled
+def connect(growth: Growth, tree: Tree, target: Array) -> int:
+    """Grow `tree` towards `target` branch by branch; return the index of the target in it, -1 where the way
+    is not free.
+    """
+    tip = nearest(tree, target, growth.weights)
+    while not same(tree.configurations[tip], target):
+        tip = extend(growth, tree, target, tip)
+        if tip < 0:
+            return -1
+    return tip
 
 
-def _joined(branch: list[Array], other: list[Array], forward: bool) -> list[Array]:
-    if np.array_equal(branch[-1], other[-1]):
-        other = other[:-1]
-    from_start, from_goal = (branch, other) if forward else (other, branch)
-    return from_start + from_goal[::-1]
+@compiled
+def nearest(tree: Tree, q: Array, weights: Array) -> int:
+    """Index of the nearest configuration in the weighted metric; the oldest of equals."""
+    best, least = 0, np.inf
+    for index in range(tree.size[0]):
+        square = 0.0
+        for i in range(len(q)):
+            square += (weights[i] * (tree.configurations[index, i] - q[i])) ** 2
+        if square < least:
+            best, least = index, square
+    return best
+
+
+@compiled
+def add(tree: Tree, q: Array, parent: int) -> int:
+    """Append `q` below `parent`; return its index."""
+    index = tree.size[0]
+    copy(q, tree.configurations[index])
+    tree.parents[index] = parent
+    tree.size[0] = index + 1
+    return int(index)
+
+
+@compiled
+def _joined(from_start: Tree, tip: int, from_goal: Tree, joint: int, path: Array) -> int:
+    """The branch from the root of one tree to `tip`, and on from `joint`, which is the same place, to the
+    root of the other.
+    """
+    count = branch(from_start, tip, path, 0)
+    for k in range(count // 2):
+        for i in range(path.shape[1]):
+            path[k, i], path[count - 1 - k, i] = path[count - 1 - k, i], path[k, i]
+    return branch(from_goal, joint, path, count - 1)
+
+
+@compiled
+def branch(tree: Tree, index: int, path: Array, count: int) -> int:
+    """Write the configurations from `index` down to the root into `path` behind the first `count`; return how
+    many there are now.
+    """
+    while True:
+        copy(tree.configurations[index], path[count])
+        count += 1
+        if index == 0:
+            return count
+        index = tree.parents[index]

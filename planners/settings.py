@@ -24,12 +24,17 @@ class AxisRule:
         direction (Graux 1992, Path generation: panel z and rotations inhibited, die forced downwards).
     margin: how far the first region reaches beyond start and goal, in the axis's unit; None takes
         `PlannerSettings.region_margin / weight`.
+    v_max, a_max, j_max: speed, acceleration and jerk in the axis's unit per [s], [s^2] and [s^3]: smoothing
+        makes the time of the path short. Without a speed the axis takes 1 s for one common unit.
     """
 
     step: float
     weight: float = 1.0
     random: RandomRule = "free"
     margin: float | None = None
+    v_max: float | None = None
+    a_max: float = math.inf
+    j_max: float = math.inf
 
     def __post_init__(self) -> None:
         _require("step", self.step, self.step > 0.0, "above 0")
@@ -38,6 +43,11 @@ class AxisRule:
             raise InvalidSetting("random", self.random, f"one of {', '.join(get_args(RandomRule))}")
         if self.margin is not None:
             _require("margin", self.margin, self.margin >= 0.0, "0 or more")
+        if self.v_max is not None:
+            _require("v_max", self.v_max, self.v_max > 0.0, "above 0")
+        for name in ("a_max", "j_max"):
+            if not getattr(self, name) > 0.0:
+                raise InvalidSetting(name, getattr(self, name), "above 0")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +68,7 @@ class PlannerSettings:
     max_detections: int = 20_000  # one search, or one link with all its engines: some seconds at 0.1 ms each
     engine_detections: int = 600  # one engine in the first region; most hard links need 150 to 550
     smoothing_detections: int = 400  # a path of 400 configurations smooths in about half of it
+    smoothing_gain: float = 0.02  # of the path's time: a pass that gains less is the last one
 
     # Escapes. Few are tried, because each try costs some detections and the nearest ones fit or none does.
     escapes_tried: int = 4  # [escapes]
@@ -68,8 +79,9 @@ class PlannerSettings:
     region_margin: float = 0.15  # in the common unit of the weights; one bay and its walls when that is [m]
     region_growth: float = 2.0  # factor on margins and budgets after each failure; doubling wastes least
 
-    # RRT-Connect: longest branch, in the common unit of the weights; a third of the first margin.
-    branch_reach: float = 0.05
+    # RRT-Connect: longest branch, in the common unit of the weights: about the first margin. Branches are
+    # proved, so long ones cost little and a bay is left in a few of them.
+    branch_reach: float = 0.15
 
     def __post_init__(self) -> None:
         if not self.axes:
@@ -84,7 +96,7 @@ class PlannerSettings:
             "escape_detections",
         ):
             _require(name, getattr(self, name), getattr(self, name) >= 0, "0 or more")
-        for name in ("region_margin", "branch_reach"):
+        for name in ("region_margin", "branch_reach", "smoothing_gain"):
             _require(name, getattr(self, name), getattr(self, name) > 0.0, "above 0")
         _require("region_growth", self.region_growth, self.region_growth > 1.0, "above 1")
 
@@ -104,6 +116,13 @@ class PlannerSettings:
         return frozen(
             [self.region_margin / rule.weight if rule.margin is None else rule.margin for rule in self.axes]
         )
+
+    @cached_property
+    def limits(self) -> Array:
+        """Largest speed, acceleration and jerk of each axis, shape (3, n)."""
+        rules = self.axes
+        speeds = [1.0 / rule.weight if rule.v_max is None else rule.v_max for rule in rules]
+        return frozen([speeds, [rule.a_max for rule in rules], [rule.j_max for rule in rules]])
 
     @cached_property
     def walking(self) -> Array:

@@ -2,8 +2,6 @@
 
 from typing import Protocol
 
-import numpy as np
-
 from planners.arrays import Array
 
 
@@ -40,9 +38,3 @@ class Space(Protocol):
         The values of `b` exactly when the whole segment is free; the values of `a` when nothing is.
         """
         ...
-
-
-def outside_axis(space: Space, q: Array) -> int | None:
-    """Index of the first axis on which `q` leaves the bounds of `space`; None when it is within them."""
-    beyond = np.flatnonzero((q < space.lower) | (q > space.upper))
-    return int(beyond[0]) if beyond.size else None

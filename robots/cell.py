@@ -1,7 +1,7 @@
 """The cell: a machine with one die and a panel in it, as a planner may ask about it.
 
 `Cell` holds the geometry; `LinkSpace` is the Space of one link between two fasteners (near its two open poses
-the die may come closer than in transit); `process_blockage` proves the short W moves at a fastener, where the
+the die may come closer than in transit); `Cell.first_free` proves the short W moves at a fastener, where the
 die tip touches the stack by design. Every positive answer is a certificate (see `certified_edge`); errors
 inside end as "not free", never as "free".
 """
@@ -17,17 +17,21 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
-from planners.arrays import Array
+from planners.arrays import Array, frozen
 from planners.space import Space
+from robots.assembly import Assembly, Pair, assembled
 from robots.buried import BuriedTest
 from robots.certified_edge import certified_to
-from robots.contact import PanelPieces, TipScene
+from robots.chain import Chain
+from robots.coal_stations import CoalStations
+from robots.contact import PanelPieces, panel_pieces
 from robots.dies import TIP, Die
+from robots.kernel.layout import Ints
 from robots.machine import PANEL, FootState, Machine
 from robots.motion_bound import MotionBound
 from robots.panel import Fastener, Panel
-from robots.scene import Pair, Scene
-from robots.solids import bounding_sphere, reach_about_axis
+from robots.scene import Scene
+from robots.solids import Solid, bounding_sphere, reach_about_axis
 
 if TYPE_CHECKING:
     from robots.kernel.flat import FlatCell
@@ -39,6 +43,9 @@ clearance.
 
 
 Checker = Literal["kernel", "coal"]
+
+_TIPS_KEPT = 8
+"""Where one link ends the next one begins."""
 
 CLEARANCE_CAP = 0.050
 """[m] Larger clearances are not told apart."""
@@ -64,30 +71,26 @@ class Blockage:
 class Cell:
     """A `machine` with one `die` around a `panel` fixed in its own frame.
 
-    checker: who answers for links: the compiled kernel, or coal by way of `LinkSpace`, which is slower and is
-    the kernel's oracle. Machines of another layout than the riveter's have no kernel.
+    checker: who answers for links and stations: the compiled kernel, or coal by way of `LinkSpace` and
+    `CoalStations`, which are slower and are the kernel's oracle. Machines of another layout than the
+    riveter's have no kernel. Coal's scenes are built when first asked: reasons are theirs in any case.
+
+    open, clamped: solids and pairs with the foot open and clamped. transit, near, near_clamped: clearance of
+    every pair [m], in transit, near a fastener and there with the foot clamped; the lists of the open foot
+    serve `open.pairs`.
     """
 
     def __init__(self, machine: Machine, die: Die, panel: Panel, checker: Checker = "kernel") -> None:
         self.machine, self.die, self.panel = machine, die, panel
         self.checker: Checker = checker if machine.kinematics == "riveter" else "coal"
-        self.scene = Scene(machine, die, panel, "open")
-        self._clamped = Scene(machine, die, panel, "clamped")
-        self.bound = MotionBound(machine, self.scene.solids, self.scene.pairs)
-        self.transit = self._needs(self.scene, near_fastener=False)
-        self.near = self._needs(self.scene, near_fastener=True)
-        self._near_clamped = self._needs(self._clamped, near_fastener=True)
-        self.tip_pair = self.scene.pairs.index(Pair(TIP, PANEL, of_die=True))
-        self._pieces = PanelPieces(panel)
-        self._buried = BuriedTest(self.scene, self._pieces)
-        tip = next(solid for solid in die.solids if solid.name == TIP)
-        self._tip_radius = reach_about_axis(tip, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-        sphere = bounding_sphere(tip)
-        self._tip_reach = float(np.linalg.norm(sphere.center)) + sphere.radius
-        self._last_tip_scene: tuple[tuple[object, ...], TipScene] | None = None
-        self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
+        self.open, self.clamped = assembled(machine, die, "open"), assembled(machine, die, "clamped")
+        self.transit = self._needs(self.open, near_fastener=False)
+        self.near = self._needs(self.open, near_fastener=True)
+        self.near_clamped = self._needs(self.clamped, near_fastener=True)
+        self.tip_pair = self.open.pairs.index(Pair(TIP, PANEL, of_die=True))
+        self._tips: dict[bytes, Array] = {}
 
-    def _needs(self, scene: Scene, *, near_fastener: bool) -> list[float]:
+    def _needs(self, assembly: Assembly, *, near_fastener: bool) -> list[float]:
         """Clearance of every pair [m]; only the die may come nearer at a fastener, and only to the panel."""
         policy, sag = self.machine.policy, self.panel.sag
         return [
@@ -97,13 +100,59 @@ class Cell:
                 if pair.with_panel
                 else policy.between(pair.solid, pair.other)
             )
-            for pair in scene.pairs
+            for pair in assembly.pairs
         ]
 
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene with the foot open."""
+        return Scene(self.machine, self.die, self.panel, "open")
+
+    @cached_property
+    def _clamped_scene(self) -> Scene:
+        return Scene(self.machine, self.die, self.panel, "clamped")
+
+    @cached_property
+    def bound(self) -> MotionBound:
+        """The motion bound of `open.pairs`."""
+        return MotionBound(self.machine, self.open.solids, self.open.pairs)
+
+    @cached_property
+    def pieces(self) -> PanelPieces:
+        """The panel's pieces."""
+        return panel_pieces(self.panel)
+
+    @cached_property
+    def _buried(self) -> BuriedTest:
+        return BuriedTest(self.scene, self.pieces)
+
+    @cached_property
+    def _tip(self) -> Solid:
+        return next(solid for solid in self.die.solids if solid.name == TIP)
+
+    @cached_property
+    def _tip_radius(self) -> float:
+        return reach_about_axis(self._tip, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+
+    @cached_property
+    def tip_reach(self) -> float:
+        """Radius [m] of a ball about the die's origin that holds the tip."""
+        sphere = bounding_sphere(self._tip)
+        return float(np.linalg.norm(sphere.center)) + sphere.radius
+
+    @cached_property
+    def _chain(self) -> Chain:
+        return Chain(self.machine, self.panel.mounting)
+
     def tip_at(self, q: Array) -> Array:
-        """The die tip at `q` in the panel frame, shape (3,), [m]."""
-        self.scene.place(q)
-        return np.array(self.scene.die_tip())
+        """The die tip at `q` in the panel frame, shape (3,), [m], read-only."""
+        key = q.tobytes()
+        tip = self._tips.get(key)
+        if tip is None:
+            if len(self._tips) == _TIPS_KEPT:
+                self._tips.clear()
+            tip = self._tips[key] = frozen(self._chain.placement(q, self.machine.die_link)[:3, 3])
+        return tip
 
     def link_space(self, anchors: Sequence[Array]) -> CertifiedSpace:
         """The Space of a link whose open poses are `anchors`, each (n,)."""
@@ -120,6 +169,18 @@ class Cell:
         from robots.kernel.space import flat_cell
 
         return flat_cell(self, CERTIFICATE_MARGIN)
+
+    @cached_property
+    def _coal_stations(self) -> CoalStations:
+        return CoalStations(self)
+
+    @cached_property
+    def _stations(self) -> StationChecks:
+        if self.checker == "coal":
+            return self._coal_stations
+        from robots.kernel.stations import KernelStations
+
+        return KernelStations(self._flat)
 
     def closest(
         self, q: Array, *, near_fastener: bool, foot: FootState = "open", tip: bool = True
@@ -154,33 +215,35 @@ class Cell:
 
     def _with_foot(self, foot: FootState) -> tuple[Scene, list[float]]:
         """The scene with the foot in that state, and the clearances near a fastener there."""
-        return (self.scene, self.near) if foot == "open" else (self._clamped, self._near_clamped)
+        return (self.scene, self.near) if foot == "open" else (self._clamped_scene, self.near_clamped)
 
     def has_transit_clearance(self, q: Array) -> bool:
         """Whether `q` (n,) keeps the clearances of transit, which are larger than those near a fastener."""
-        self.scene.place(q)
-        return not any(self.scene.within(k, needed) for k, needed in enumerate(self.transit))
+        return self._stations.has_transit_clearance(q)
+
+    def first_free(self, fastener: Fastener, opened: Array, clamped: Array) -> int | None:
+        """Which poses at `fastener` to take: the first with transit clearance and a proved process move.
+
+        Else the first with a proved process move, else None. `opened`, `clamped`: configurations (m, n). What
+        is proved is the W move between the two poses and the foot's closing: the tip may touch the pieces of
+        the stack under its face; every other pair keeps the clearance that holds near a fastener.
+        """
+        return self._stations.first_free(opened, clamped, self.meant_at(fastener))
 
     def process_is_free(self, fastener: Fastener, opened: Array, clamped: Array) -> bool:
-        """Prove the W move between the open and the clamped pose at `fastener`, and the foot's closing.
+        """Whether the process move between two configurations (n,) is proved, as in `first_free`."""
+        return self.first_free(fastener, np.array([opened]), np.array([clamped])) is not None
 
-        The tip may touch the pieces of the stack under its face; every other pair keeps the clearance that
-        holds near a fastener. `opened`, `clamped`: configurations (n,).
-        """
-        if not (
-            self.pose_is_free(clamped, tip=False) and self.pose_is_free(clamped, foot="clamped", tip=False)
-        ):
-            return False
-        tip = self._tip_scene(fastener, opened, clamped)
-        motion = self.bound(opened, clamped).tolist()
-        certified = certified_to(
-            tip, opened, clamped, motion, motion[self.tip_pair], lambda _: self.near, whole=True
+    def meant_at(self, fastener: Fastener) -> Ints:
+        """The pieces of the stack that the tip may touch at a fastener."""
+        clearance, depth = self.near[self.tip_pair], self.machine.policy.contact_depth
+        return self.pieces.under_face(
+            fastener, self.pieces.stack_of(fastener), self._tip_radius, clearance, depth
         )
-        return certified == 1.0
 
     def process_blockage(self, fastener: Fastener, opened: Array, clamped: Array) -> Blockage:
         """What stands most in the way of the W move at `fastener`: the pair that lacks most clearance."""
-        tip = self._tip_scene(fastener, opened, clamped)
+        tip = self._coal_stations.tip_scene(opened, clamped, self.meant_at(fastener))
         tip.place(clamped)
         gap, part = tip.nearest()
         found = [
@@ -191,29 +254,17 @@ class Cell:
         ]
         return max(found, key=lambda blockage: blockage.lack)
 
-    def _tip_scene(self, fastener: Fastener, opened: Array, clamped: Array) -> TipScene:
-        """The tip's surroundings over the move, without the pieces it is meant to touch: the same at any die
-        angle.
-        """
-        key = (fastener.id, *(tuple(self._but_die_angle(q)) for q in (opened, clamped)))
-        last = self._last_tip_scene
-        if last is None or last[0] != key:
-            last = (key, self._new_tip_scene(fastener, opened, clamped))
-            self._last_tip_scene = last
-        return last[1]
 
-    def _but_die_angle(self, q: Array) -> list[float]:
-        values: list[float] = np.delete(q, self.machine.index(self.machine.die_link)).tolist()
-        return values
+class StationChecks(Protocol):
+    """What decides about a station; see `Cell.first_free`."""
 
-    def _new_tip_scene(self, fastener: Fastener, opened: Array, clamped: Array) -> TipScene:
-        clearance, depth = self.near[self.tip_pair], self.machine.policy.contact_depth
-        stack = self._stacks[fastener.id]
-        allowed = self._pieces.under_face(fastener, stack, self._tip_radius, clearance, depth)
-        ends = np.array([self.tip_at(opened), self.tip_at(clamped)])
-        reach = self._tip_reach + clearance
-        around = self._pieces.around(ends.min(axis=0) - reach, ends.max(axis=0) + reach)
-        return TipScene(self.scene, self.tip_pair, self._pieces, np.setdiff1d(around, allowed))
+    def has_transit_clearance(self, q: Array) -> bool:
+        """Whether `q` (n,) keeps the clearances of transit."""
+        ...
+
+    def first_free(self, opened: Array, clamped: Array, meant: Ints) -> int | None:
+        """Which of the open and clamped poses (m, n) to take; the die tip may touch the pieces `meant`."""
+        ...
 
 
 class CertifiedSpace(Space, Protocol):

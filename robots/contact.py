@@ -9,6 +9,10 @@ What the tip must still keep clear of is a small mesh of the pieces around it wi
 
 from __future__ import annotations
 
+from functools import cached_property
+from itertools import pairwise
+from weakref import WeakKeyDictionary
+
 import coal
 import numpy as np
 from numpy.typing import NDArray
@@ -16,21 +20,27 @@ from numpy.typing import NDArray
 from planners.arrays import Array
 from robots import hexahedra
 from robots.dies import TIP
+from robots.kernel.flat import flat_panel
+from robots.kernel.layout import Ints
 from robots.panel import Fastener, Panel, Stack
 from robots.scene import Scene, triangle_mesh
 
-_RINGS = (0.0, 0.5, 1.0)
-_RAYS_PER_RING = 16
-
 
 class PanelPieces:
-    """The panel's convex pieces with what finding contacts and buried points needs, computed once."""
+    """The panel's convex pieces with what finding contacts and buried points needs; see `panel_pieces`."""
 
     def __init__(self, panel: Panel) -> None:
         self.pieces, self.part_index = panel.pieces()
         self.lower, self.upper = hexahedra.bounds(self.pieces)
-        self._normals, self._offsets = hexahedra.planes(self.pieces)
+        self._rows = flat_panel(panel).pieces
         self._part_ids = panel.part_ids
+        ends = np.cumsum([len(part.pieces) for part in panel.parts]).tolist()
+        self._ranges = dict(zip(panel.part_ids, pairwise([0, *ends]), strict=True))
+        self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
+
+    def stack_of(self, fastener: Fastener) -> Stack:
+        """What that fastener of the panel joins."""
+        return self._stacks[fastener.id]
 
     def around(self, low: Array, high: Array) -> NDArray[np.intp]:
         """Pieces whose box meets the box from `low` to `high`, each (3,), [m]."""
@@ -42,59 +52,50 @@ class PanelPieces:
 
     def under_face(
         self, fastener: Fastener, stack: Stack, radius: float, beyond: float, depth: float
-    ) -> NDArray[np.intp]:
-        """Pieces of the stack under a tip face of `radius` [m] at the fastener.
+    ) -> Ints:
+        """Pieces of the stack under a tip face of `radius` [m] at the fastener, in ascending order.
 
         Lines along -n through the face, and through the ring `beyond` [m] around it, enter them and leave
         them at most `depth` [m] deeper than the stack's inner surface.
         """
-        reach = radius + beyond + stack.depth + depth
-        near = self.around(fastener.p - reach, fastener.p + reach)
-        near = near[np.isin(self.part_index[near], [self._part_ids.index(i) for i in stack.parts])]
-        points = _face_points(fastener, radius, beyond)
-        exits = ray_exits(self._normals[near], self._offsets[near], points, -fastener.n)
-        deepest = exits.max(axis=0)
-        under: NDArray[np.intp] = near[(deepest > 0.0) & (deepest <= stack.depth + depth)]
-        return under
+        # Imported when first used, as in `cell`: loading compiled code takes time.
+        from robots.kernel.under_face import pieces_under_face
+
+        ranges = np.array(sorted({self._ranges[part] for part in stack.parts}), dtype=np.int64)
+        found = np.empty(len(self.pieces), dtype=np.int64)
+        axis = np.array([fastener.p, fastener.n])
+        n = pieces_under_face(self._rows, ranges, axis, radius, beyond, stack.depth + depth, found)
+        return found[:n]
 
     def containing(self, points: Array, pieces: NDArray[np.intp]) -> bool:
         """Whether any of `points` (N, 3) lies inside any of the given pieces."""
         if len(pieces) == 0:
             return False
-        height = np.einsum("hfk,nk->nhf", self._normals[pieces], points) - self._offsets[pieces]
+        normals, offsets = self._planes
+        height = np.einsum("hfk,nk->nhf", normals[pieces], points) - offsets[pieces]
         return bool(np.any(np.all(height <= 0.0, axis=2)))
 
     def thicker_than(self, size: float) -> NDArray[np.intp]:
         """Pieces that could hide a ball of that diameter [m]: no two opposite faces are closer."""
-        corners = np.einsum("hfk,hvk->hfv", self._normals, self.pieces)
-        return np.flatnonzero((self._offsets - corners.min(axis=2)).min(axis=1) > size)
+        normals, offsets = self._planes
+        corners = np.einsum("hfk,hvk->hfv", normals, self.pieces)
+        return np.flatnonzero((offsets - corners.min(axis=2)).min(axis=1) > size)
+
+    @cached_property
+    def _planes(self) -> tuple[Array, Array]:
+        return hexahedra.planes(self.pieces)
 
 
-def ray_exits(normals: Array, offsets: Array, origins: Array, direction: Array) -> Array:
-    """Where lines leave convex pieces: parameters (R, H) [m] along the unit `direction` (3,), -inf where they
-    miss.
-
-    normals (H, 6, 3), offsets (H, 6): half-spaces of the pieces; origins (R, 3).
-    """
-    slope = normals @ direction
-    room = offsets[None] - np.einsum("hfk,rk->rhf", normals, origins)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = room / slope
-    enter = np.where(slope < 0.0, at, -np.inf).max(axis=2)
-    leave = np.where(slope > 0.0, at, np.inf).min(axis=2)
-    beside = np.any((slope == 0.0) & (room < 0.0), axis=2)
-    return np.where((leave < enter) | beside, -np.inf, leave)
+_of_panels: WeakKeyDictionary[Panel, PanelPieces] = WeakKeyDictionary()
 
 
-def _face_points(fastener: Fastener, radius: float, beyond: float) -> Array:
-    """Points of the plane across the fastener's axis, over the tip's face and the ring around it, (R, 3)."""
-    across = np.linalg.svd(fastener.n[None])[2][1:]
-    angles = np.arange(_RAYS_PER_RING) * (2.0 * np.pi / _RAYS_PER_RING)
-    circle = np.column_stack([np.cos(angles), np.sin(angles)]) @ across
-    radii = [*(r * radius for r in _RINGS), radius + beyond]
-    rings = np.concatenate([r * circle for r in radii])
-    points: Array = fastener.p + rings
-    return points
+def panel_pieces(panel: Panel) -> PanelPieces:
+    """The panel's pieces; made once per panel, the same for every die and foot."""
+    found = _of_panels.get(panel)
+    if found is None:
+        found = PanelPieces(panel)
+        _of_panels[panel] = found
+    return found
 
 
 class TipScene:

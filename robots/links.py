@@ -14,7 +14,8 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 
 from planners.arrays import Array, frozen
-from planners.link_planner import LinkPlanner
+from planners.escapes import Escape, EscapeLibrary
+from planners.link_planner import LinkPlanner, direct
 from planners.path import Path
 from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
 from robots import riveter
@@ -22,6 +23,7 @@ from robots.cell import Blockage, Cell, CertifiedSpace
 from robots.nc import NcAxes
 from robots.riveter_search import Heuristics, planner_settings
 from robots.stations import Station
+from robots.surroundings import surroundings_of
 
 LONG_LINK = 0.5
 """[m] over the skin, about one frame bay: a longer link goes under the work, not from bay to bay."""
@@ -48,19 +50,30 @@ class Link:
 class LinkFinder:
     """Plans the links of one die, remembering escapes as it goes.
 
+    escapes: what earlier runs left behind for this die, oldest first. found: what this one adds.
+
     Where the heuristics leave no way, the link is searched once more without them: what they inhibit is
     unlikely to help, not impossible.
     """
 
-    def __init__(self, cell: Cell, heuristics: Heuristics, seed: int) -> None:
+    def __init__(self, cell: Cell, heuristics: Heuristics, seed: int, escapes: Sequence[Escape] = ()) -> None:
         self._cell, self._seed = cell, seed
-        self._planner = LinkPlanner(planner_settings(cell.machine, heuristics))
+        settings = planner_settings(cell.machine, heuristics)
+        self._planner = LinkPlanner(settings, EscapeLibrary(settings.escapes_kept, escapes))
         self._unguided = None if heuristics == "none" else LinkPlanner(planner_settings(cell.machine, "none"))
+
+    @property
+    def found(self) -> tuple[Escape, ...]:
+        """Escapes remembered since, oldest first."""
+        return self._planner.escapes.added
 
     def between(self, start: Station, goal: Station, stop: Callable[[], bool]) -> Link:
         """From the open pose of one fastener to that of the next."""
         space = self._cell.link_space([start.opened, goal.opened])
-        if self._is_long(start, goal) and not space.edge_is_free(start.opened, goal.opened):
+        straight = direct(space, start.opened, goal.opened)
+        if straight is not None:
+            return Link(straight, straight.path.configurations)
+        if self._is_long(start, goal):
             under = self._under_the_work(space, start, goal, stop)
             if under is not None:
                 return under
@@ -147,10 +160,13 @@ class LinkFinder:
     def _search(
         self, space: CertifiedSpace, start: Array, goal: Array, at: Station, stop: Callable[[], bool]
     ) -> Link:
-        where, name = at.fastener.p, at.fastener.id
-        result = self._planner.plan(space, start, goal, where, self._rng(start, goal), stop, name)
+        def rng() -> np.random.Generator:
+            return self._rng(start, goal)
+
+        where, name = surroundings_of(self._cell).of_link(start, goal), at.fastener.id
+        result = self._planner.plan(space, start, goal, where, rng, stop, name)
         if result.status is PlanStatus.STOPPED and self._unguided is not None:
-            result = self._unguided.plan(space, start, goal, where, self._rng(start, goal), stop, name)
+            result = self._unguided.plan(space, start, goal, where, rng, stop, name)
         if not result.ok:
             return Link(result, frozen(start[None]), self._in_the_way(space, start, goal))
         return Link(result, _as_programmed(result.path))

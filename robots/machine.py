@@ -12,6 +12,7 @@ knows how many axes there are or what they are called. A tool link has the name 
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -160,7 +161,7 @@ class Machine:
     def sha256(self) -> str:
         return hashlib.sha256(self.definition).hexdigest()
 
-    @property
+    @cached_property
     def axis_names(self) -> tuple[str, ...]:
         return tuple(axis.name for axis in self.axes)
 

@@ -1,25 +1,29 @@
 """How far a machine solid can move relative to the panel along a straight segment in joint space.
 
-Seen from the panel, the tool side translates by X, Y, Z (and W) and turns with A and B about the gantry's
-origin and with C about the tool axis. So no point of solid s travels farther than
+Seen from the panel, the tool side translates by X, Y, Z (and W), turns with A and B about the gantry's origin
+and with C about the tool axis. With o the middle of a ball around solid s, seen from the gantry's origin, no
+point of the solid travels farther than
 
-    L_s = |(dX, -dY, W-part of dW - dZ)| + |dA| r_A,s + |dB| r_B,s + |dC| r_C,s        [m]
+    L_s = max |o' - w x o| + |dA| |dB| max |o| / 2 + (|dA| + |dB|) r_s + |dC| r_C,s        [m]
 
-with r_A, r_B the largest lever of the solid about the gantry's axes anywhere on the segment (the offset is
-affine in q, its norm convex, so the ends hold the maximum) and r_C its lever about the tool axis. The path is
-a straight line in q, so over a part of the segment the bound is the same part of L_s: what `certified_edge`
+o' = (dX, -dY, W-part of dW - dZ) and w = dA e_x + dB Rx(A_m) e_y are the rates over the whole segment, A_m
+the mean of A; the second term covers how the axis of B turns about A on the way. o is affine in q and the
+norms are convex, so the ends hold both maxima. r_s is the ball's radius, r_C the solid's lever about the tool
+axis. So a panel that pivots under the die moves little, though its parts (dY, dA) are large. The path is a
+straight line in q, so over a part of the segment the bound is the same part of L_s: what `certified_edge`
 needs. Every term is tested alone: without it a brute-force displacement exceeds the bound.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from planners.arrays import Array, frozen
+from robots.assembly import Pair
 from robots.machine import Machine
-from robots.scene import Pair
 from robots.solids import Solid, bounding_sphere, reach_about_axis
 
 _TOOL_AXIS = (0.0, 0.0, 1.0)
@@ -56,13 +60,16 @@ class MotionBound:
 
     def _against_panel(self, a: Array, b: Array, d: Array, turn_c: Array) -> Array:
         rise = self._rises * d[self._W] - d[self._Z]
-        bound: Array = np.sqrt(d[self._X] ** 2 + d[self._Y] ** 2 + rise**2) + turn_c
         if d[self._A] == 0.0 and d[self._B] == 0.0:
-            return bound
+            straight: Array = np.sqrt(d[self._X] ** 2 + d[self._Y] ** 2 + rise**2) + turn_c
+            return straight
+        rate = np.column_stack([np.full_like(rise, d[self._X]), np.full_like(rise, -d[self._Y]), rise])
+        half_way = a[self._A] + 0.5 * d[self._A]
+        turn = np.array([d[self._A], d[self._B] * math.cos(half_way), d[self._B] * math.sin(half_way)])
         at_a, at_b = self._offset(a), self._offset(b)
-        lever_a = _larger_norm(at_a[:, 1:], at_b[:, 1:]) + self._radius
-        lever_b = _larger_norm(at_a, at_b) + self._radius
-        bound += abs(d[self._A]) * lever_a + abs(d[self._B]) * lever_b
+        bound = _larger_norm(rate - np.cross(turn, at_a), rate - np.cross(turn, at_b))
+        bound += 0.5 * abs(d[self._A] * d[self._B]) * _larger_norm(at_a, at_b)
+        bound += (abs(d[self._A]) + abs(d[self._B])) * self._radius + turn_c
         return bound
 
     def _among_own(self, d: Array, turn_c: Array) -> Array:

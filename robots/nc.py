@@ -1,22 +1,23 @@
 """The NC program: controller-neutral blocks, fasteners, summary and certificate.
 
-This is an edge of the system: values are millimetres, degrees and seconds, with the unit in the
-field's name, exactly as they stand in the file. `NcAxes.q` gives the configuration in [m] and [rad].
-The annotations carry the file's number format (`nc_codec.py`), so one declaration says both what a
-field is and how many digits of it exist. `nc_json.py` writes, reads and hashes programs.
+This is an edge of the system: values are millimetres, degrees and seconds, with the unit in the field's name,
+exactly as they stand in the file. `NcAxes.q` gives the configuration in [m] and [rad]. The annotations carry
+the file's number format (`nc_codec.py`), so one declaration says both what a field is and how many digits of
+it exist. `nc_json.py` writes, reads and hashes programs.
 
-The dataclasses hold numbers, strings and tuples only, so the generated `==` is exact and is used to
-compare a program with what was read back.
+The dataclasses hold numbers, strings and tuples only: the generated `==` compares programs exactly.
 """
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+from operator import attrgetter
 from typing import Annotated, Literal
 
 import numpy as np
 
 from planners.arrays import Array, frozen
-from robots.nc_codec import Decimals, DecimalsDown, SignificantDown
+from robots.nc_codec import WHEN_GIVEN, Decimals, DecimalsDown, SignificantDown, encode
 
 Mm = Annotated[float, Decimals(4)]
 MmDown = Annotated[float, DecimalsDown(4)]  # guaranteed lower bounds are never rounded up
@@ -27,7 +28,9 @@ Fine = Annotated[float, Decimals(9)]  # direction cosines and matrix entries
 Plain = Annotated[float, Decimals(6)]  # the unit stands in a neighbouring field
 
 AXIS_FIELDS = ("X_mm", "Y_mm", "Z_mm", "A_deg", "B_deg", "W_mm", "C_deg")
-_PER_SI = np.array([1e3 if name.endswith("_mm") else 180.0 / np.pi for name in AXIS_FIELDS])
+_IS_LENGTH = tuple(name.endswith("_mm") for name in AXIS_FIELDS)
+_axis_values = attrgetter(*AXIS_FIELDS)
+_PER_SI_AND_DIGITS = tuple((1e3, 4) if is_length else (180.0 / math.pi, 6) for is_length in _IS_LENGTH)
 
 BlockKind = Literal["move", "approach", "process", "retreat", "die_change"]
 FastenerStatus = Literal["installed", "deferred_manual", "inaccessible", "excluded"]
@@ -63,12 +66,13 @@ class NcInput:
 
 @dataclass(frozen=True, slots=True)
 class NcInputs:
-    """Everything the program was made from."""
+    """Everything the program was made from; `escapes`: ways known from earlier programs, if any were."""
 
     machine: NcInput
     panel: NcInput
     dies: NcInput
     process: NcInput
+    escapes: Annotated[NcInput | None, WHEN_GIVEN] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,16 +189,15 @@ class NcAxes:
     @staticmethod
     def of(q: Array) -> "NcAxes":
         """The axis values of configuration `q`, shape (7,), [m] or [rad], rounded as the file is."""
-        values = np.asarray(q, dtype=float) * _PER_SI
-        digits = (4 if name.endswith("_mm") else 6 for name in AXIS_FIELDS)
-        return NcAxes(*(round(float(v), d) + 0.0 for v, d in zip(values, digits, strict=True)))
+        values = zip(np.asarray(q, dtype=float).tolist(), _PER_SI_AND_DIGITS, strict=True)
+        return NcAxes(*[round(v * per_si, digits) + 0.0 for v, (per_si, digits) in values])
 
     @property
     def q(self) -> Array:
         """The configuration, shape (7,), order X Y Z A B W C, [m] or [rad]."""
         # Converted as the machine file is, to the last bit: an axis at its limit must not be beyond it.
-        values = ((name, getattr(self, name)) for name in AXIS_FIELDS)
-        return frozen([v / 1e3 if name.endswith("_mm") else math.radians(v) for name, v in values])
+        values = zip(_axis_values(self), _IS_LENGTH, strict=True)
+        return frozen([v / 1e3 if is_length else math.radians(v) for v, is_length in values])
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,8 +222,7 @@ class NcEvent:
 class NcClearance:
     """A guaranteed lower bound over the whole block, its (solid, part) pair, and when it occurs.
 
-    Designed contacts do not count; values above the cap of the verifier are stated as the cap, with
-    an empty pair.
+    Designed contacts do not count; beyond the verifier's cap the cap is stated, with an empty pair.
     """
 
     min_mm: MmDown
@@ -250,10 +252,7 @@ class NcBlock:
 
 @dataclass(frozen=True, slots=True)
 class NcReason:
-    """Why a fastener is not installed: what blocks it, or which axis is short of travel.
-
-    `value` and `limit` are in the unit of the axis (mm or deg).
-    """
+    """Why a fastener is not installed: what blocks it, or which axis is short of travel (in mm or deg)."""
 
     code: str
     text: str
@@ -380,7 +379,7 @@ class Certificate:
     inputs: NcInputs
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class NcProgram:
     """The whole program; `verification` is the only member outside its identity."""
 
@@ -394,3 +393,8 @@ class NcProgram:
     fasteners: tuple[NcFastener, ...]
     summary: NcSummary
     verification: Certificate | None = None
+
+    @cached_property
+    def identity_text(self) -> str:
+        """Canonical JSON of all but the certificate. Raises `ValueError` for what cannot be written."""
+        return encode(self, omit=("verification",))

@@ -6,8 +6,10 @@ tree gives the same bytes everywhere, so a sha256 of the text is an identity.
 Reading: the declared types are the schema. Everything wrong is collected with its JSON pointer before
 `InvalidInput` is raised: missing and unknown fields, wrong types, NaN and infinities, doubled keys.
 
+Rounding: the tree as a reader of its text gets it, without the text.
+
 Annotations understood: str, int, bool, Annotated[float, <format>], Literal of strings, tuple[T, ...],
-tuple[T1, T2], T | None, and dataclasses made of these.
+tuple[T1, T2], T | None, Annotated[T | None, WHEN_GIVEN], and dataclasses made of these.
 """
 
 import dataclasses
@@ -19,13 +21,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
 from functools import cache
+from operator import attrgetter, is_
 from typing import Annotated, Any, Literal
 
 from robots.errors import InputProblem, InvalidInput, shown
-from robots.strict_json import parse_document
+from robots.strict_json import parse_document, pointer_to
 
 _MAX_PROBLEMS = 200  # a file of another kind entirely must not give a megabyte of messages
 _MAX_NUMBER = 1e15  # beyond it a float no longer holds the digits that the formats state
+_FEW_DIGITS = 1e10  # below it the digits that the formats state are fewer than the 15 every float holds
+_PLAIN = 1e-4  # from here to _MAX_NUMBER `repr` writes no exponent
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,11 @@ class Decimals:
 
     def text(self, value: float) -> str:
         text = f"{value:.{self.digits}f}"
-        return text[1:] if float(text) == 0.0 and text[0] == "-" else text
+        return text[1:] if text[0] == "-" and float(text) == 0.0 else text
+
+    def rounded(self, value: float) -> float:
+        """The float that `text` reads back as."""
+        return round(float(value), self.digits) + 0.0  # plus zero: there is no negative one
 
 
 @dataclass(frozen=True)
@@ -47,8 +56,15 @@ class DecimalsDown:
 
     def text(self, value: float) -> str:
         # The shortest decimal that reads back as `value` is what is rounded: writing twice changes nothing.
+        if abs(value) < _FEW_DIGITS and round(float(value), self.digits) == value:
+            return Decimals(self.digits).text(value)
         rounded = Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-self.digits), rounding=ROUND_FLOOR)
         return f"{abs(rounded) if rounded == 0 else rounded:f}"
+
+    def rounded(self, value: float) -> float:
+        """The float that `text` reads back as."""
+        nearest = round(float(value), self.digits) + 0.0
+        return nearest if abs(value) < _FEW_DIGITS and nearest == value else float(self.text(value))
 
 
 @dataclass(frozen=True)
@@ -58,12 +74,41 @@ class SignificantDown:
     digits: int
 
     def text(self, value: float) -> str:
-        rounded = Context(prec=self.digits, rounding=ROUND_FLOOR).plus(Decimal(repr(float(value))))
+        text = repr(float(value))
+        if _PLAIN <= value < _MAX_NUMBER:
+            whole, _, decimals = text.partition(".")
+            excess = len(f"{whole}{decimals}".lstrip("0")) - self.digits
+            if excess <= len(decimals):
+                return text[:-excess].removesuffix(".") if excess > 0 else text
+        rounded = Context(prec=self.digits, rounding=ROUND_FLOOR).plus(Decimal(text))
         return f"{abs(rounded) if rounded == 0 else rounded:f}"
 
+    def rounded(self, value: float) -> float:
+        """The float that `text` reads back as."""
+        return float(self.text(value))
 
+
+WHEN_GIVEN = "left out of the text where it is None"
+Number = Decimals | DecimalsDown | SignificantDown
+Place = tuple[Any, str | int] | None
+"""Where a value stands: the place of what it is in, and its key there; None is the whole document. Made for
+every value read, so it is not put into words before something is wrong there."""
 Encode = Callable[[Any], str]
-Decode = Callable[[Any, str, list[InputProblem]], Any]
+Decode = Callable[[Any, Place, list[InputProblem]], Any]
+Round = Callable[[Any], Any]
+
+
+class _Unreadable(Exception):
+    """A value that a reader of its text would refuse."""
+
+
+@dataclass(frozen=True)
+class _Form:
+    """How values of one kind are written, read, and rounded to what reading back gives."""
+
+    encode: Encode
+    decode: Decode
+    round: Round
 
 
 def encode(value: object, *, omit: tuple[str, ...] = ()) -> str:
@@ -79,158 +124,253 @@ def decode(cls: Any, text: str | bytes) -> Any:
     """Read an instance of dataclass `cls` from JSON text; raises `InvalidInput` with every problem."""
     document = parse_document(text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text)
     problems: list[InputProblem] = []
-    value = _decoder(cls)(document, "", problems)
+    value = _form(cls).decode(document, None, problems)
     if problems:
         raise InvalidInput(problems[:_MAX_PROBLEMS])
     return value
 
 
+def rounded(value: Any) -> Any:
+    """Return dataclass `value` as `decode` reads it from what `encode` writes, to the last bit.
+
+    Raises `ValueError` or `InvalidInput` where one of the two does.
+    """
+    kind: Any = type(value)
+    try:
+        return _form(kind).round(value)
+    except (_Unreadable, TypeError, ValueError, OverflowError):
+        return decode(kind, encode(value))  # tells what is wrong with it
+
+
 @cache
-def _encoder(kind: Any) -> Encode:
+def _form(kind: Any) -> _Form:
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if origin is Annotated:
-        return _number_encoder(args[1])
+        return _form(args[0]) if args[1] == WHEN_GIVEN else _number_form(args[1])
     if _is_dataclass(kind):
-        return _dataclass_encoder(kind, ())
+        return _Form(_dataclass_encoder(kind, ()), _dataclass_decoder(kind), _dataclass_rounder(kind))
     if origin is tuple:
-        return _tuple_encoder(args)
+        return _list_form(_form(args[0])) if args[-1] is Ellipsis else _row_form(tuple(map(_form, args)))
     if origin in (types.UnionType, typing.Union):
-        inner = _encoder(_without_none(args))
-        return lambda value: "null" if value is None else inner(value)
-    if kind is str or origin is Literal:
-        return json.dumps
-    if kind in (int, bool):
-        return lambda value: json.dumps(kind(value))
-    raise TypeError(f"no canonical form for {kind!r}")
+        return _optional_form(_form(_without_none(args)))
+    if origin is Literal:
+        return _literal_form(args)
+    return {str: _TEXT, int: _INTEGER, bool: _FLAG}[kind]
 
 
-def _number_encoder(form: Decimals | DecimalsDown | SignificantDown) -> Encode:
-    def number(value: float) -> str:
+def _number_form(number: Number) -> _Form:
+    plain = f"%.{number.digits}f"
+    is_nearest = isinstance(number, Decimals)
+
+    def encode_number(value: float) -> str:
+        if is_nearest:
+            text = plain % value
+            if "0" <= text[0] <= "9":  # no sign, which nothing may have, and no letter, as what is not finite
+                return text
         if not math.isfinite(value):
             raise ValueError(f"a program cannot hold {value!r}")
-        return form.text(value)
+        return number.text(value)
 
-    return number
+    def round_number(value: float) -> float:
+        if not abs(value) < _MAX_NUMBER:  # or NaN
+            raise _Unreadable
+        near = number.rounded(value)
+        is_near = near == value and type(value) is float and (value or math.copysign(1.0, value) > 0.0)
+        return value if is_near else near
 
-
-def _tuple_encoder(args: tuple[Any, ...]) -> Encode:
-    if args[-1] is Ellipsis:
-        item = _encoder(args[0])
-        return lambda value: f"[{','.join(map(item, value))}]"
-    items = tuple(map(_encoder, args))
-    return lambda value: f"[{','.join(enc(v) for enc, v in zip(items, value, strict=True))}]"
-
-
-@cache
-def _dataclass_encoder(cls: Any, omit: tuple[str, ...]) -> Encode:
-    kinds = sorted(_fields(cls).items())
-    fields = [(name, f'"{name}":', _encoder(kind)) for name, kind in kinds if name not in omit]
-    return lambda value: f"{{{','.join(key + enc(getattr(value, name)) for name, key, enc in fields)}}}"
+    return _Form(encode_number, _read_number, round_number)
 
 
-@cache
-def _decoder(kind: Any) -> Decode:
-    origin, args = typing.get_origin(kind), typing.get_args(kind)
-    if origin is Annotated:
-        return _read_number
-    if _is_dataclass(kind):
-        return _dataclass_decoder(kind)
-    if origin is tuple:
-        return _list_decoder(args[0]) if args[-1] is Ellipsis else _row_decoder(args)
-    if origin in (types.UnionType, typing.Union):
-        inner = _decoder(_without_none(args))
-        return lambda value, at, problems: None if value is None else inner(value, at, problems)
-    if origin is Literal:
-        return _literal_decoder(args)
-    return {str: _read_text, int: _read_integer, bool: _read_flag}[kind]
+def _optional_form(inner: _Form) -> _Form:
+    write, read, nearest = inner.encode, inner.decode, inner.round
+    return _Form(
+        lambda value: "null" if value is None else write(value),
+        lambda value, at, problems: None if value is None else read(value, at, problems),
+        lambda value: None if value is None else nearest(value),
+    )
 
 
-def _dataclass_decoder(cls: Any) -> Decode:
-    fields = [(name, _decoder(kind)) for name, kind in _fields(cls).items()]
-    names = frozenset(name for name, _ in fields)
+def _list_form(item: _Form) -> _Form:
+    write, decoder, nearest = item.encode, item.decode, item.round
 
-    def read(value: Any, at: str, problems: list[InputProblem]) -> Any:
-        if not isinstance(value, dict):
-            return _wrong(problems, at, "an object", value)
-        remedy = f"Remove it or use one of: {', '.join(sorted(names))}."
-        problems.extend(
-            _problem(f"{at}/{_escaped(name)}", "unknown_field", "the field is unknown", name, remedy)
-            for name in sorted(value.keys() - names)
-        )
-        before = len(problems)
-        found = {}
-        for name, decoder in fields:
-            if name in value:
-                found[name] = decoder(value[name], f"{at}/{name}", problems)
-            else:
-                problems.append(_missing(f"{at}/{name}"))
-        return cls(**found) if len(problems) == before else None
-
-    return read
-
-
-def _list_decoder(item: Any) -> Decode:
-    decoder = _decoder(item)
-
-    def read(value: Any, at: str, problems: list[InputProblem]) -> Any:
+    def read(value: Any, at: Place, problems: list[InputProblem]) -> Any:
         if not isinstance(value, list):
             return _wrong(problems, at, "a list", value)
         items = []
         for i, entry in enumerate(value):
-            items.append(decoder(entry, f"{at}/{i}", problems))
+            items.append(decoder(entry, (at, i), problems))
             if len(problems) > _MAX_PROBLEMS:
                 break
         return tuple(items)
 
-    return read
+    return _Form(
+        lambda value: f"[{','.join(map(write, value))}]",
+        read,
+        lambda value: _same_if(value, tuple(map(nearest, value))),
+    )
 
 
-def _row_decoder(args: tuple[Any, ...]) -> Decode:
-    decoders = tuple(map(_decoder, args))
+def _row_form(items: tuple[_Form, ...]) -> _Form:
+    writers, decoders = [item.encode for item in items], [item.decode for item in items]
+    rounders = [item.round for item in items]
 
-    def read(value: Any, at: str, problems: list[InputProblem]) -> Any:
+    def read(value: Any, at: Place, problems: list[InputProblem]) -> Any:
         if not isinstance(value, list) or len(value) != len(decoders):
             return _wrong(problems, at, f"a list of {len(decoders)}", value)
         entries = enumerate(zip(decoders, value, strict=True))
-        return tuple(decoder(entry, f"{at}/{i}", problems) for i, (decoder, entry) in entries)
+        return tuple([decoder(entry, (at, i), problems) for i, (decoder, entry) in entries])
 
-    return read
+    return _Form(
+        lambda value: f"[{','.join([enc(v) for enc, v in zip(writers, value, strict=True)])}]",
+        read,
+        lambda value: _same_if(value, tuple([near(v) for near, v in zip(rounders, value, strict=True)])),
+    )
 
 
-def _literal_decoder(allowed: tuple[str, ...]) -> Decode:
-    def read(value: Any, at: str, problems: list[InputProblem]) -> Any:
+def _literal_form(allowed: tuple[str, ...]) -> _Form:
+    def read(value: Any, at: Place, problems: list[InputProblem]) -> Any:
         if isinstance(value, str) and value in allowed:
             return value
         return _wrong(problems, at, f"one of {', '.join(allowed)}", value)
 
+    def same(value: Any) -> Any:
+        if type(value) is str and value in allowed:
+            return value
+        raise _Unreadable
+
+    return _Form(_TEXT.encode, read, same)
+
+
+@cache
+def _dataclass_encoder(cls: Any, omit: tuple[str, ...]) -> Encode:
+    kinds = sorted((name, kind) for name, kind in _fields(cls).items() if name not in omit)
+    encoders = [_form(kind).encode for _, kind in kinds]
+    optional, named = (
+        _when_given(cls),
+        [(name, form) for (name, _), form in zip(kinds, encoders, strict=True)],
+    )
+    if optional:
+        return lambda value: _given_members(value, named, optional)
+    template = "{" + ",".join(f'"{name}":%s' for name, _ in kinds) + "}"
+    values = _values_of([name for name, _ in kinds])
+    return lambda value: template % tuple([enc(v) for enc, v in zip(encoders, values(value), strict=True)])
+
+
+def _given_members(value: Any, named: list[tuple[str, Encode]], optional: list[str]) -> str:
+    given = [(n, enc) for n, enc in named if not (n in optional and getattr(value, n) is None)]
+    return "{" + ",".join(f'"{name}":{enc(getattr(value, name))}' for name, enc in given) + "}"
+
+
+def _dataclass_decoder(cls: Any) -> Decode:
+    fields = [(name, _form(kind).decode) for name, kind in _fields(cls).items()]
+    names, optional = {name for name, _ in fields}, _when_given(cls)
+    remedy = f"Remove it or use one of: {', '.join(sorted(names))}."
+
+    def read(value: Any, at: Place, problems: list[InputProblem]) -> Any:
+        if not isinstance(value, dict):
+            return _wrong(problems, at, "an object", value)
+        before = len(problems)
+        if value.keys() == names:
+            found = [decoder(value[name], (at, name), problems) for name, decoder in fields]
+            return cls(*found) if len(problems) == before else None
+        problems.extend(
+            _problem((at, name), "unknown_field", "the field is unknown", name, remedy)
+            for name in sorted(value.keys() - names)
+        )
+        given: dict[str, Any] = {}
+        for name, decoder in fields:
+            if name in value:
+                given[name] = decoder(value[name], (at, name), problems)
+            elif name not in optional:
+                problems.append(
+                    _problem((at, name), "missing_field", "the field is missing", None, "Add it.")
+                )
+        return cls(**given) if len(problems) == before else None
+
     return read
 
 
-def _read_text(value: Any, at: str, problems: list[InputProblem]) -> Any:
+def _dataclass_rounder(cls: Any) -> Round:
+    kinds = _fields(cls)
+    rounders = [_form(kind).round for kind in kinds.values()]
+    values = _values_of(list(kinds))
+
+    def nearest(value: Any) -> Any:
+        if type(value) is not cls:
+            raise _Unreadable
+        old = values(value)
+        new = [rounder(v) for rounder, v in zip(rounders, old, strict=True)]
+        return value if all(map(is_, new, old)) else cls(*new)
+
+    return nearest
+
+
+def _values_of(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:
+    """What gets those members, in that order."""
+    if len(names) > 1:
+        return attrgetter(*names)
+    return lambda value: tuple(getattr(value, name) for name in names)
+
+
+def _read_text(value: Any, at: Place, problems: list[InputProblem]) -> Any:
     return value if isinstance(value, str) else _wrong(problems, at, "a text", value)
 
 
-def _read_flag(value: Any, at: str, problems: list[InputProblem]) -> Any:
+def _read_flag(value: Any, at: Place, problems: list[InputProblem]) -> Any:
     return value if isinstance(value, bool) else _wrong(problems, at, "true or false", value)
 
 
-def _read_integer(value: Any, at: str, problems: list[InputProblem]) -> Any:
+def _read_integer(value: Any, at: Place, problems: list[InputProblem]) -> Any:
     if isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63:
         return value
     return _wrong(problems, at, "an integer of 64 bits", value)
 
 
-def _read_number(value: Any, at: str, problems: list[InputProblem]) -> Any:
+def _read_number(value: Any, at: Place, problems: list[InputProblem]) -> Any:
+    if type(value) is float and -_MAX_NUMBER <= value <= _MAX_NUMBER:
+        return value
     # The comparison is false for NaN, so it refuses NaN, infinities and absurd sizes alike.
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= _MAX_NUMBER:
         return float(value)
     return _wrong(problems, at, "a finite number below 1e15", value)
 
 
+def _same_if(old: Any, new: tuple[Any, ...]) -> tuple[Any, ...]:
+    """`old` when it is a tuple of the same objects: what needs no rounding stays what it is."""
+    return old if type(old) is tuple and all(map(is_, old, new)) else new
+
+
+def _same_text(value: Any) -> Any:
+    if type(value) is str and (value.isascii() or not any("\ud800" <= c <= "\udfff" for c in value)):
+        return value
+    raise _Unreadable
+
+
+def _same_integer(value: Any) -> Any:
+    if type(value) is int and abs(value) < 2**63:
+        return value
+    raise _Unreadable
+
+
+def _same_flag(value: Any) -> Any:
+    if type(value) is bool:
+        return value
+    raise _Unreadable
+
+
+_TEXT = _Form(json.JSONEncoder().encode, _read_text, _same_text)
+_INTEGER = _Form(lambda value: str(int(value)), _read_integer, _same_integer)
+_FLAG = _Form(lambda value: json.dumps(bool(value)), _read_flag, _same_flag)
+
+
 @cache
 def _fields(cls: Any) -> Mapping[str, Any]:
     hints = typing.get_type_hints(cls, include_extras=True)
     return {field.name: hints[field.name] for field in dataclasses.fields(cls)}
+
+
+def _when_given(cls: Any) -> list[str]:
+    return [name for name, kind in _fields(cls).items() if WHEN_GIVEN in getattr(kind, "__metadata__", ())]
 
 
 def _is_dataclass(kind: Any) -> bool:
@@ -244,17 +384,17 @@ def _without_none(args: tuple[Any, ...]) -> Any:
     return kind
 
 
-def _escaped(name: str) -> str:
-    return name.replace("~", "~0").replace("/", "~1")
+def _pointer(at: Place) -> str:
+    keys: list[str | int] = []
+    while at is not None:
+        at, key = at
+        keys.append(key)
+    return pointer_to(*reversed(keys))
 
 
-def _problem(at: str, code: str, message: str, value: object, remedy: str) -> InputProblem:
-    return InputProblem(at, code, message, shown(value), remedy)
+def _problem(at: Place, code: str, message: str, value: object, remedy: str) -> InputProblem:
+    return InputProblem(_pointer(at), code, message, shown(value), remedy)
 
 
-def _missing(at: str) -> InputProblem:
-    return _problem(at, "missing_field", "the field is missing", None, "Add it.")
-
-
-def _wrong(problems: list[InputProblem], at: str, expected: str, value: object) -> None:
+def _wrong(problems: list[InputProblem], at: Place, expected: str, value: object) -> None:
     problems.append(_problem(at, "wrong_type", f"the value must be {expected}", value, f"Give {expected}."))

@@ -14,13 +14,13 @@ p_g, where
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from planners.arrays import Array, frozen
-from robots.chain import axis_transform
-from robots.machine import Machine
+from robots.machine import Axis, Machine
 
 #: Travel shorter than this across the tool axis [m] has no direction.
 _NO_TRAVEL = 1e-9
@@ -64,14 +64,15 @@ def place(machine: Machine, T_gantry_panel: ArrayLike, p: ArrayLike, n: ArrayLik
     """
     _require_riveter(machine)
     point, normal = np.asarray(p, dtype=np.float64), np.asarray(n, dtype=np.float64)
-    if not (np.all(np.isfinite(point)) and np.all(np.isfinite(normal)) and np.any(normal)):
+    if not (all(map(math.isfinite, (*point.tolist(), *normal.tolist()))) and any(normal.tolist())):
         raise ValueError(f"a fastener needs a finite point and a normal that is not zero, got {p!r}, {n!r}")
     T = np.asarray(T_gantry_panel, dtype=np.float64)
     m_x, m_y, m_z = (T[:3, :3] @ normal).tolist()
     B = math.atan2(-m_x, m_z)
     A = math.atan2(m_y, math.hypot(m_x, m_z))
-    at = machine.T_world_gantry[:3, 3] + _panel_rotation(machine, A, B) @ (T[:3, :3] @ point + T[:3, 3])
-    placement = Placement(X=float(at[0]), Y=-float(at[1]), Z=-float(at[2]), A=A, B=B)
+    x, y, z = _turned(A, B, (T[:3, :3] @ point + T[:3, 3]).tolist())
+    g_x, g_y, g_z = machine.T_world_gantry[:3, 3].tolist()
+    placement = Placement(X=g_x + x, Y=-(g_y + y), Z=-(g_z + z), A=A, B=B)
     return _farthest_out(machine, placement) or placement
 
 
@@ -100,9 +101,7 @@ def die_height_out_of_limits(machine: Machine, W: float) -> OutOfLimits | None:
     return OutOfLimits("W", W, axis.lower, axis.upper, by) if by > 0.0 else None
 
 
-def travel_angle(
-    machine: Machine, T_gantry_panel: ArrayLike, start: ArrayLike, goal: ArrayLike, at: Placement
-) -> float | None:
+def travel_angle(T_gantry_panel: ArrayLike, start: ArrayLike, goal: ArrayLike, at: Placement) -> float | None:
     """Direction in which the tool travels over the panel, as an angle from world x [rad], at placement `at`.
 
     start, goal: points in the panel frame [m], shape (3,). The panel is turned as at `at` (that of the goal,
@@ -110,7 +109,7 @@ def travel_angle(
     """
     T = np.asarray(T_gantry_panel, dtype=np.float64)
     step = np.asarray(goal, dtype=np.float64) - np.asarray(start, dtype=np.float64)
-    x, y, _ = (_panel_rotation(machine, at.A, at.B) @ T[:3, :3] @ step).tolist()
+    x, y, _ = _turned(at.A, at.B, (T[:3, :3] @ step).tolist())
     return None if math.hypot(x, y) < _NO_TRAVEL else math.atan2(y, x)
 
 
@@ -137,13 +136,15 @@ def die_angles(
     if not 0.0 < step <= math.pi:
         raise ValueError(f"the step of the die angles must be in (0, 180] degrees, got {math.degrees(step)}")
     default = machine.axis("C").home if travel is None else travel + math.pi / 2.0
-    copies = [(abs(d), _nearest_copy(machine, default + d, previous)) for d in _deviations(step)]
+    axis = machine.axis("C")
+    copies = [(abs(d), _nearest_copy(axis, default + d, previous)) for d in _deviations(step)]
     within = [(deviation, angle) for deviation, angle in copies if angle is not None]
     within.sort(key=lambda each: (each[0], round(abs(each[1] - previous), 9)))
     return tuple(angle for _, angle in within)
 
 
-def _deviations(step: float) -> list[float]:
+@cache
+def _deviations(step: float) -> tuple[float, ...]:
     """0, +step, -step, +2 step, ... up to the half turn, which is given once [rad]."""
     tiny = 1e-9  # ten degrees are not a round number of radians: 18 steps must still be a half turn
     result = [0.0]
@@ -153,33 +154,39 @@ def _deviations(step: float) -> list[float]:
         k += 1
     if k * step < math.pi + tiny:
         result.append(math.pi)
-    return result
+    return tuple(result)
 
 
-def _nearest_copy(machine: Machine, angle: float, previous: float) -> float | None:
-    """The copy angle + 2 pi k within C's limits that is nearest to `previous`, None where there is none."""
-    axis, turn = machine.axis("C"), 2.0 * math.pi
+def _nearest_copy(axis: Axis, angle: float, previous: float) -> float | None:
+    """The copy angle + 2 pi k within the axis' limits that is nearest to `previous`, None where there is
+    none.
+    """
+    turn = 2.0 * math.pi
     first, last = math.ceil((axis.lower - angle) / turn), math.floor((axis.upper - angle) / turn)
+    if first == last:
+        return angle + turn * first
     copies = [angle + turn * k for k in range(first, last + 1)]
     return min(copies, key=lambda copy: (round(abs(copy - previous), 9), copy), default=None)
 
 
-def _panel_rotation(machine: Machine, A: float, B: float) -> Array:
-    """Rx(A) Ry(B), shape (3, 3)."""
-    T = axis_transform(machine.axis("A"), A) @ axis_transform(machine.axis("B"), B)
-    return T[:3, :3]
+def _turned(A: float, B: float, v: list[float]) -> tuple[float, float, float]:
+    """Rx(A) Ry(B) v, in plain floats: for three numbers numpy costs more than the arithmetic."""
+    x, y, z = v
+    x, z = math.cos(B) * x + math.sin(B) * z, math.cos(B) * z - math.sin(B) * x
+    y, z = math.cos(A) * y - math.sin(A) * z, math.sin(A) * y + math.cos(A) * z
+    return x, y, z
 
 
 def _farthest_out(machine: Machine, placement: Placement) -> OutOfLimits | None:
     """The axis farthest beyond its limits in units of its own range, None where all are within."""
     worst: OutOfLimits | None = None
     worst_share = 0.0
-    for name in ("X", "Y", "Z", "A", "B"):
-        axis, value = machine.axis(name), float(getattr(placement, name))
+    values = (placement.X, placement.Y, placement.Z, placement.A, placement.B)
+    for axis, value in zip(machine.axes, values, strict=False):
         by = max(axis.lower - value, value - axis.upper)
         if by / (axis.upper - axis.lower) > worst_share:
             worst, worst_share = (
-                OutOfLimits(name, value, axis.lower, axis.upper, by),
+                OutOfLimits(axis.name, value, axis.lower, axis.upper, by),
                 by / (axis.upper - axis.lower),
             )
     return worst

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from planners.settings import AxisRule, PlannerSettings
+from planners.settings import AxisRule, PlannerSettings, RandomRule
 from robots.machine import Machine
 
 Heuristics = Literal["none", "heuristics", "heuristics_and_escapes"]
@@ -39,16 +39,23 @@ def planner_settings(machine: Machine, heuristics: Heuristics = "heuristics_and_
     # A region without margin on the inhibited axes keeps them between their values at start and goal.
     lift, tilt = (0.0, 0.0) if guided else (_SIDE_MARGIN, _SIDE_MARGIN / _PANEL_LEVER)
     rules = {
-        "X": AxisRule(machine.axis("X").step, margin=_SIDE_MARGIN),
-        "Y": AxisRule(machine.axis("Y").step, margin=_SIDE_MARGIN),
-        "Z": AxisRule(machine.axis("Z").step, random=inhibited, margin=lift),
-        "A": AxisRule(machine.axis("A").step, _PANEL_LEVER, inhibited, tilt),
-        "B": AxisRule(machine.axis("B").step, _PANEL_LEVER, inhibited, tilt),
-        "W": AxisRule(machine.axis("W").step, random=down, margin=_DOWN_MARGIN),
-        "C": AxisRule(machine.axis("C").step, _DIE_LEVER, margin=math.pi),
+        "X": _rule(machine, "X", margin=_SIDE_MARGIN),
+        "Y": _rule(machine, "Y", margin=_SIDE_MARGIN),
+        "Z": _rule(machine, "Z", random=inhibited, margin=lift),
+        "A": _rule(machine, "A", _PANEL_LEVER, inhibited, tilt),
+        "B": _rule(machine, "B", _PANEL_LEVER, inhibited, tilt),
+        "W": _rule(machine, "W", random=down, margin=_DOWN_MARGIN),
+        "C": _rule(machine, "C", _DIE_LEVER, margin=math.pi),
     }
     return PlannerSettings(
         axes=tuple(rules[name] for name in machine.axis_names),
         escapes_tried=_ESCAPES_TRIED if heuristics == "heuristics_and_escapes" else 0,
         max_detections=_GUIDED_DETECTIONS if guided else _UNGUIDED_DETECTIONS,
     )
+
+
+def _rule(
+    machine: Machine, name: str, weight: float = 1.0, random: RandomRule = "free", margin: float | None = None
+) -> AxisRule:
+    axis = machine.axis(name)
+    return AxisRule(axis.step, weight, random, margin, axis.v_max, axis.a_max, axis.j_max)

@@ -12,6 +12,8 @@ convex solids against triangles. Everything about policy and edges is built on t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import coal
 import numpy as np
@@ -19,25 +21,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from planners.arrays import Array
+from robots.assembly import assembled
 from robots.chain import Chain
 from robots.coal_shapes import to_coal
 from robots.dies import Die
 from robots.machine import PANEL, FootState, Machine
 from robots.panel import Panel
 from robots.solids import Solid, bounding_sphere
-
-
-@dataclass(frozen=True)
-class Pair:
-    """Two things that must keep apart: a machine solid and the panel, or two machine solids."""
-
-    solid: str
-    other: str
-    of_die: bool
-
-    @property
-    def with_panel(self) -> bool:
-        return self.other == PANEL
 
 
 @dataclass(frozen=True)
@@ -59,17 +49,14 @@ class Scene:
 
     def __init__(self, machine: Machine, die: Die, panel: Panel, foot: FootState = "open") -> None:
         self.chain = Chain(machine, panel.mounting)
-        # Die first: it is what usually meets the panel, and a test stops at the first pair that fails.
-        self.solids: tuple[Solid, ...] = machine.assembly(die, foot)[::-1]
+        assembly = assembled(machine, die, foot)
+        self.solids, self.pairs = assembly.solids, assembly.pairs
         self._panel = panel
         self._geometry = pin.GeometryModel()
         self._index = {s.name: self._add_solid(s) for s in self.solids}
-        vertices, triangles, self._part_of_triangle = panel.triangles()
-        self._panel_index = self._add(PANEL, 0, np.eye(4), triangle_mesh(vertices, triangles))
-        of_die = set(die.solid_names)
-        against_panel = [Pair(solid.name, PANEL, solid.name in of_die) for solid in self.solids]
-        own = [Pair(one, other, one in of_die) for one, other in machine.self_pairs_with(die, foot)]
-        self.pairs = (*against_panel, *own)
+        surface = panel_surface(panel)
+        self._part_of_triangle = surface.part_of_triangle
+        self._panel_index = self._add(PANEL, 0, np.eye(4), surface.mesh)
         for pair in self.pairs:
             other = self._panel_index if pair.with_panel else self._index[pair.other]
             self._geometry.addCollisionPair(pin.CollisionPair(self._index[pair.solid], other))
@@ -127,6 +114,26 @@ class Scene:
         placement = self._geometry_data.oMg[index]
         shape = self._geometry.geometryObjects[index].geometry
         return shape, coal.Transform3s(placement.rotation, placement.translation)
+
+
+class PanelSurface(NamedTuple):
+    """A panel as one bounding-volume tree, and the part index of each triangle (T,)."""
+
+    mesh: coal.BVHModelOBBRSS
+    part_of_triangle: NDArray[np.intp]
+
+
+_surfaces: WeakKeyDictionary[Panel, PanelSurface] = WeakKeyDictionary()
+
+
+def panel_surface(panel: Panel) -> PanelSurface:
+    """The panel's surface; made once per panel, the same for every die and foot."""
+    found = _surfaces.get(panel)
+    if found is None:
+        vertices, triangles, part_of_triangle = panel.triangles()
+        found = PanelSurface(triangle_mesh(vertices, triangles), part_of_triangle)
+        _surfaces[panel] = found
+    return found
 
 
 def triangle_mesh(vertices: Array, triangles: NDArray[np.intp]) -> coal.BVHModelOBBRSS:

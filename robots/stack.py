@@ -7,6 +7,7 @@ largest entry and the smallest exit over its six planes.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,8 +47,10 @@ def find_stacks(parts: tuple[Part, ...], points: Array, normals: Array) -> list[
     within GAP of where the last one ended. A point with nothing under it has a stack without parts.
     """
     crossings = _merge(_clip(parts, points, normals))
-    first = np.searchsorted(crossings.ray, np.arange(len(points) + 1))
-    return [_contiguous(parts, crossings, slice(first[i], first[i + 1])) for i in range(len(points))]
+    first = np.searchsorted(crossings.ray, np.arange(len(points) + 1)).tolist()
+    ids = [parts[part].id for part in crossings.part.tolist()]
+    rows = list(zip(ids, crossings.entry.tolist(), crossings.exit.tolist(), strict=True))
+    return [_contiguous(rows[begin:end]) for begin, end in pairwise(first)]
 
 
 def _clip(parts: tuple[Part, ...], points: Array, normals: Array) -> _Crossings:
@@ -77,9 +80,10 @@ def _merge(crossings: _Crossings) -> _Crossings:
     order = np.lexsort((crossings.entry, crossings.part, crossings.ray))
     ray, part = crossings.ray[order], crossings.part[order]
     entry, exit_ = crossings.entry[order], crossings.exit[order]
+    neighbour = (ray[1:] == ray[:-1]) & (part[1:] == part[:-1])
     same = np.zeros(len(ray), dtype=bool)
-    for i in range(1, len(ray)):
-        same[i] = ray[i] == ray[i - 1] and part[i] == part[i - 1] and entry[i] <= exit_[i - 1] + GAP
+    for i in (np.flatnonzero(neighbour) + 1).tolist():
+        same[i] = entry[i] <= exit_[i - 1] + GAP
         if same[i]:
             exit_[i] = max(exit_[i], exit_[i - 1])
     starts = np.flatnonzero(~same)
@@ -89,14 +93,13 @@ def _merge(crossings: _Crossings) -> _Crossings:
     return _Crossings(ray[order], part[order], entry[order], exit_[order])
 
 
-def _contiguous(parts: tuple[Part, ...], crossings: _Crossings, rows: slice) -> Stack:
+def _contiguous(crossings: list[tuple[str, float, float]]) -> Stack:
+    """The stack of one ray from the parts it crosses, each with depth of entry and exit, in that order."""
     ids: list[str] = []
     depth, grip = 0.0, 0.0
-    for part, entry, exit_ in zip(
-        crossings.part[rows], crossings.entry[rows], crossings.exit[rows], strict=True
-    ):
+    for part, entry, exit_ in crossings:
         if entry > (depth + GAP if ids else FIRST_GAP):
             break
-        ids.append(parts[part].id)
-        depth, grip = max(depth, float(exit_)), grip + float(exit_ - entry)
+        ids.append(part)
+        depth, grip = max(depth, exit_), grip + (exit_ - entry)
     return Stack(tuple(ids), depth, grip)

@@ -8,16 +8,21 @@ travel; angles with room to leave the bay come before those that merely fit.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import compress
-from operator import not_
+from typing import get_args
+
+import numpy as np
 
 from planners.arrays import Array
 from robots import riveter
 from robots.cell import Blockage, Cell
-from robots.nc import NcAxes
+from robots.nc import Deg, NcAxes
+from robots.nc_codec import Decimals
 from robots.panel import Fastener, Stack
 from robots.riveter import OutOfLimits, Placement
+
+_DEGREES: Decimals = get_args(Deg)[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,16 +89,14 @@ def find_station(
             return Refusal(die.id, out_of_limits=beyond)
     travel = _travel(cell, came_from, fastener, placement, previous_angle)
     angles = riveter.die_angles(machine, travel, previous_angle, axisymmetric=die.axisymmetric)
-    poses = [
-        (_as_programmed(placement.q(opened_W, C)), _as_programmed(placement.q(clamped_W, C))) for C in angles
-    ]
-    # First the angles whose open pose has the clearance of transit: from a pose with less, leaving is a hard
-    # search.
-    roomy = [cell.has_transit_clearance(opened) for opened, _ in poses]
-    for opened, clamped in [*compress(poses, roomy), *compress(poses, map(not_, roomy))]:
-        if cell.process_is_free(fastener, opened, clamped):
-            return Station(fastener, die.id, opened, clamped)
-    return Refusal(die.id, poses=tuple(poses))
+    programmed = [_programmed_angle(C) for C in angles]
+    opened = _as_programmed(placement.q(opened_W, angles[0]), programmed)
+    clamped = _as_programmed(placement.q(clamped_W, angles[0]), programmed)
+    # An open pose with less than the clearance of transit is taken last: leaving it is a hard search.
+    chosen = cell.first_free(fastener, opened, clamped)
+    if chosen is None:
+        return Refusal(die.id, poses=tuple(zip(opened, clamped, strict=True)))
+    return Station(fastener, die.id, opened[chosen], clamped[chosen])
 
 
 def explained(refusal: Refusal, cell: Cell, fastener: Fastener) -> Refusal:
@@ -116,13 +119,23 @@ def _travel(
     """
     if came_from is None:
         return None
-    travel = riveter.travel_angle(cell.machine, cell.panel.mounting, came_from, fastener.p, placement)
+    travel = riveter.travel_angle(cell.panel.mounting, came_from, fastener.p, placement)
     if travel is None:
         return None
     turn = math.remainder(travel + math.pi / 2.0 - previous_angle, 2.0 * math.pi)
     return travel if abs(turn) <= math.pi / 2.0 else travel + math.pi
 
 
-def _as_programmed(q: Array) -> Array:
-    """The configuration with the digits the program's text has: what is proved is what is written."""
-    return NcAxes.of(q).q
+def _as_programmed(q: Array, angles: Sequence[float]) -> Array:
+    """`q` at each of the programmed die angles (m,) [rad], shape (m, n), read-only, with the digits that the
+    program's text has: what is proved is what is written.
+    """
+    poses = np.tile(NcAxes.of(q).q, (len(angles), 1))
+    poses[:, -1] = angles
+    poses.setflags(write=False)
+    return poses
+
+
+def _programmed_angle(angle: float) -> float:
+    """The angle [rad] that `NcAxes` makes of it; alone, because there are dozens of angles to one place."""
+    return math.radians(float(_DEGREES.text(angle * (180.0 / math.pi))))

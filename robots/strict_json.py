@@ -8,6 +8,7 @@ schema names their place.
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,10 +20,11 @@ Document = dict[str, object]
 #: More than any definition file needs: 50,000 fasteners take a tenth of it.
 MAX_BYTES = 100_000_000
 _MARKS = {b"\xef\xbb\xbf": "UTF-8", b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
+_HALF_CHARACTER = re.compile(rb"\\u[dD][89a-fA-F]")  # as an escape; as bytes it is not UTF-8
 
 
-class _Object(dict[str, object]):
-    """A JSON object that remembers which of its keys came more than once."""
+class _Repeating(dict[str, object]):
+    """A JSON object with keys that came more than once."""
 
     repeated: tuple[str, ...] = ()
 
@@ -56,8 +58,17 @@ def parse_document(text: bytes) -> Document:
         if text.startswith(mark):
             message = f"the text begins with a {encoding} byte order mark"
             raise _whole("byte_order_mark", message, None, "Save it as UTF-8 without a byte order mark.")
+    repeating: list[_Repeating] = []
+
+    def made(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        result = dict(pairs)
+        if len(result) == len(pairs):
+            return result
+        repeating.append(_repeating(pairs))
+        return repeating[-1]
+
     try:
-        document = json.loads(text.decode("utf-8"), object_pairs_hook=_object)
+        document = json.loads(text.decode("utf-8"), object_pairs_hook=made)
     except UnicodeDecodeError as error:
         message = f"byte {error.start} is not UTF-8"
         raise _whole("not_utf8", message, f"0x{text[error.start]:02x}", "Save it as UTF-8.") from None
@@ -70,9 +81,10 @@ def parse_document(text: bytes) -> Document:
         ) from None
     if not isinstance(document, dict):
         raise _whole("wrong_type", "the document is not an object", document, "Begin with { and end with }.")
-    problems = [problem for keys, value in _members(document) for problem in _problems(keys, value)]
-    if problems:
-        raise InvalidInput(problems)
+    if repeating or _HALF_CHARACTER.search(text):
+        problems = [problem for keys, value in _members(document) for problem in _problems(keys, value)]
+        if problems:
+            raise InvalidInput(problems)
     return document
 
 
@@ -81,10 +93,9 @@ def pointer_to(*keys: object) -> str:
     return "".join("/" + str(key).replace("~", "~0").replace("/", "~1") for key in keys)
 
 
-def _object(pairs: list[tuple[str, object]]) -> _Object:
-    result = _Object(pairs)
-    if len(result) < len(pairs):
-        result.repeated = tuple(key for key, count in Counter(key for key, _ in pairs).items() if count > 1)
+def _repeating(pairs: list[tuple[str, object]]) -> _Repeating:
+    result = _Repeating(pairs)
+    result.repeated = tuple(key for key, count in Counter(key for key, _ in pairs).items() if count > 1)
     return result
 
 
@@ -102,7 +113,7 @@ def _members(document: object) -> Iterator[tuple[tuple[object, ...], object]]:
 
 def _problems(keys: tuple[object, ...], value: object) -> Iterator[InputProblem]:
     """What one value has against it by itself: repeated keys, and text that no file can hold."""
-    if isinstance(value, _Object):
+    if isinstance(value, _Repeating):
         for key in value.repeated:
             message = f"the field {shown(key)!r} is there more than once"
             place = pointer_to(*keys, key)

@@ -2,7 +2,8 @@
 
 It starts from the numbers of the NC program and shares no collision code, kinematics or timing with the
 planner: the panel as convex pieces, machine solids as support functions, separating planes as proof, its own
-forward kinematics and its own rest-to-rest profile. It fails closed: what could not be examined is a finding.
+forward kinematics (compiled, in `robots.proof`) and its own rest-to-rest profile. It fails closed: what could
+not be examined is a finding.
 
     verify      a certificate for a finished program (its own certificate, if it has one, is checked too)
     certified   a program with proven clearances in its blocks and its certificate in place
@@ -14,17 +15,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from planners.arrays import Array
 from robots.machine import Machine
 from robots.nc import Certificate, Finding, NcBlock, NcChecker, NcClearance, NcMinClearance, NcProgram
 from robots.nc_codec import Decimals, DecimalsDown
 from robots.nc_json import program_sha256, rounded, rounded_certificate, with_certificate
 from robots.panel import Panel
-from robots.separation import IntArray
+from robots.proof.items import SHARPNESS
+from robots.proof.layout import Ints
 from robots.verify_clearance import MOST_VIOLATIONS, Clearance, Covered, TooClose, cover
-from robots.verify_cover import SHARPNESS
 from robots.verify_fasteners import fastener_findings
 from robots.verify_inputs import input_findings, inputs_of
 from robots.verify_motion import motion_findings, valid, within_travel
+from robots.verify_motions import configurations
 from robots.verify_order import order_findings
 from robots.verify_profile import rest_to_rest
 
@@ -123,19 +126,23 @@ def _clearance_findings(
     result: list[tuple[tuple[NcClearance | None, ...], int]],
 ) -> Iterator[Finding]:
     """Cover all blocks that can be placed; clearances per block and the number of poses go into `result`."""
-    rows = _placeable(program.blocks, machine)
+    q = configurations(program.blocks)
+    rows = _placeable(program.blocks, q, machine)
     if len(rows) < len(program.blocks):
         left = sorted({block.n for block in program.blocks} - {program.blocks[row].n for row in rows})
         text = (
             f"{len(left)} blocks, from block {left[0] if left else '?'} on, cannot be placed: travel or die"
         )
         yield Finding("not_examined", text, left[0] if left else None)
-    covered = cover(program.blocks, rows, panel, machine)
+    covered = cover(program.blocks, q, rows, panel, machine)
     for violation in covered.violations:
         yield _too_close(program.blocks[violation.row], violation, machine)
     if not covered.complete:
         text = f"more than {MOST_VIOLATIONS} places are too close: the program was not examined any further"
         yield Finding("not_examined", text)
+    for row in covered.undecided:
+        n = program.blocks[row].n
+        yield Finding("not_examined", f"block {n} needs more room than the examination has", n)
     for row in rows if covered.complete else ():
         block = program.blocks[row]
         if block.kind == "process" and int(row) not in covered.touching:
@@ -146,15 +153,12 @@ def _clearance_findings(
     result.append((clearances, covered.poses))
 
 
-def _placeable(blocks: tuple[NcBlock, ...], machine: Machine) -> IntArray:
-    """Rows of blocks whose two ends are within travel and whose die is known."""
-    inside = [within_travel(block, machine) for block in blocks]
-    rows = [
-        row
-        for row, block in enumerate(blocks)
-        if inside[row] and inside[max(row - 1, 0)] and block.die_id in machine.dies.ids
-    ]
-    return np.array(rows, dtype=np.int64)
+def _placeable(blocks: tuple[NcBlock, ...], q: Array, machine: Machine) -> Ints:
+    """Rows of blocks whose two ends, of `q` (B, n), are within travel and whose die is known."""
+    inside = within_travel(q, machine)
+    known = {die_id: die_id in machine.dies.ids for die_id in {block.die_id for block in blocks}}
+    of_known = np.array([known[block.die_id] for block in blocks], dtype=np.bool_)
+    return np.flatnonzero(inside & np.concatenate([inside[:1], inside[:-1]]) & of_known)
 
 
 def _too_close(block: NcBlock, found: TooClose, machine: Machine) -> Finding:

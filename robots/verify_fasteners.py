@@ -9,6 +9,7 @@ from robots.machine import Machine
 from robots.nc import Finding, NcBlock, NcFastener, NcProgram
 from robots.panel import Fastener, Panel, Stack
 from robots.verify_kinematics import Kinematics
+from robots.verify_motions import configurations
 
 POSITION = 5e-5
 """[m] How far the tool axis may pass from the fastener's point."""
@@ -110,10 +111,9 @@ def _placement(
         return
     at = [fasteners[b.fastener_id or ""] for b in rows]
     kinematics = Kinematics.from_panel(machine, panel.mounting)
-    frames = kinematics.frames(machine.links[0], np.array([b.axes.q for b in rows]))
-    points = np.array([f.p for f in at]) - frames.t
-    off = np.linalg.norm(np.einsum("nij,ni->nj", frames.R, points), axis=1)
-    normals = np.einsum("nij,ni->nj", frames.R, np.array([f.n for f in at]))
+    R, t = kinematics.frames(machine.links[0], configurations(rows))
+    off = np.linalg.norm(np.einsum("nij,ni->nj", R, np.array([f.p for f in at]) - t), axis=1)
+    normals = np.einsum("nij,ni->nj", R, np.array([f.n for f in at]))
     tilt = np.arctan2(np.hypot(normals[:, 0], normals[:, 1]), normals[:, 2])
     for block, distance, angle in zip(rows, off, tilt, strict=True):
         if not distance <= POSITION:

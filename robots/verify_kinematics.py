@@ -1,61 +1,28 @@
-"""The verifier's own kinematics: poses in batches, and how far a straight joint motion bulges from its chord.
+"""The verifier's own kinematics: the chain as a list of joints, from the panel outwards to the die.
 
-The chain is read from the machine data as a list of joints from the panel outwards to the die (the panel's
-own joints inverted), and is multiplied out in numpy; nothing is shared with the planner's model.
-
-The bound. Along a block q(s) = q0 + s dq every point of a solid has the position y(s) in the panel frame,
-with
-
-    y'  = sum_i v_i                            v_i = dq_i a_i (prismatic) or dq_i a_i x r_i (revolute)
-    y'' = sum_i w_i x (w_i x r_i + 2 sum_{j>i} v_j)           w_i = dq_i a_i of revolute joints, j beyond i
-
-so |y''| <= sum_i |w_i| (|w_i| r_i + 2 |sum_{j>i} v_j|) =: 8 bulge, and y stays within `bulge` of the chord
-between its end positions. A plane that parts a solid from a piece by g at both ends therefore parts them by g
-- bulge in between. For
-pure translations the bulge is zero: then both ends prove the whole block.
+It is read from the machine data (the panel's own joints inverted) and multiplied out by
+`robots.proof.frames`; nothing is shared with the planner's model.
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from planners.arrays import Array, frozen
-from robots.machine import Axis, ChainJoint, Machine
-from robots.separation import cross
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """One step outwards: a fixed transform (R, t), then the motion of an axis, sign times q[index]."""
-
-    index: int
-    kind: Literal["prismatic", "revolute"]
-    direction: Array
-    sign: float
-    R: Array
-    t: Array
-    link: str | None
-
-
-@dataclass(frozen=True, eq=False)
-class Frames:
-    """A link and every joint before it at N configurations, in the base frame.
-
-    R (N, 3, 3), t (N, 3): the link. origins, axes: one (N, 3) per joint, from the base to the link.
-    """
-
-    R: Array
-    t: Array
-    origins: tuple[Array, ...]
-    axes: tuple[Array, ...]
+from planners.arrays import Array
+from robots.machine import ChainJoint, Machine
+from robots.proof.frames import place_all
+from robots.proof.layout import DIRECTION, FIXED_T, INDEX, JOINT, POSE, POSE_T, SIGN, TURNS
 
 
 @dataclass(frozen=True, eq=False)
 class Kinematics:
-    """Poses of a machine's tool links seen from a base: the panel, or the first tool link."""
+    """A machine's tool links seen from a base: the panel, or the first tool link.
 
-    joints: tuple[Joint, ...]
+    joints (J, JOINT): as in `proof.layout`, from the base outwards. rows: the joint that carries each link.
+    """
+
+    joints: Array
+    rows: dict[str, int]
 
     @staticmethod
     def from_panel(machine: Machine, mounting: Array) -> "Kinematics":
@@ -63,92 +30,54 @@ class Kinematics:
         joints = []
         fixed = _inverse(mounting)
         for step in reversed(machine.panel_chain):
-            joints.append(_joint(machine, step, -1.0, fixed, None))
+            joints.append(_Joint(step.axis, -1.0, fixed))
             fixed = _translation(-step.offset)
         fixed = fixed @ _inverse(machine.T_world_gantry)
-        return Kinematics((*joints, *_tool_joints(machine, machine.tool_chain, fixed)))
+        return _packed(machine, [*joints, *_tool_joints(machine.tool_chain, fixed)])
 
     @staticmethod
     def from_first_link(machine: Machine) -> "Kinematics":
         """Seen from the first tool link, for pairs of machine solids: axes that move both do not count."""
         first, *others = machine.tool_chain
-        fixed = Joint(
-            machine.index(first.axis), "prismatic", frozen(np.zeros(3)), 0.0, *_parts(np.eye(4)), first.axis
-        )
-        return Kinematics((fixed, *_tool_joints(machine, tuple(others), np.eye(4))))
+        still = _Joint(first.axis, 0.0, np.eye(4))
+        return _packed(machine, [still, *_tool_joints(others, np.eye(4))])
 
-    def frames(self, link: str, q: Array) -> Frames:
-        """The link at configurations q (N, n)."""
-        n = len(q)
-        R, t = np.broadcast_to(np.eye(3), (n, 3, 3)), np.zeros((n, 3))
-        origins, axes = [], []
-        for joint in self._until(link):
-            t = t + R @ joint.t
-            R = R @ joint.R
-            axis = R @ joint.direction
-            origins.append(t)
-            axes.append(axis)
-            value = joint.sign * q[:, joint.index]
-            if joint.kind == "prismatic":
-                t = t + value[:, None] * axis
-            else:
-                R = R @ _rotations(joint.direction, value)
-        return Frames(R, t, tuple(origins), tuple(axes))
-
-    def bulge(
-        self, link: str, delta: Array, start: Frames, end: Frames, ball: tuple[Array, Array]
-    ) -> tuple[Array, Array]:
-        """How far points of a solid leave their chords, and how far they travel, (N,) each [m].
-
-        delta: q1 - q0, (N, n). start, end: frames of `link` at q0 and q1. ball: centre (N, 3) and radius (N,)
-        of a ball around the solid, in the link's frame.
-        """
-        travel = np.zeros(len(delta))
-        straight = np.zeros((len(delta), 3))
-        bound = np.zeros(len(delta))
-        for i, joint in reversed(list(enumerate(self._until(link)))):
-            move = joint.sign * delta[:, joint.index]
-            if joint.kind == "prismatic":
-                straight = straight + move[:, None] * start.axes[i]
-                continue
-            travel = travel + np.linalg.norm(straight, axis=1)
-            straight = np.zeros_like(straight)
-            arm = largest_arm(i, start, end, ball, travel)
-            turn = np.abs(move)
-            bound += turn * (turn * arm + 2.0 * travel)
-            travel = travel + turn * arm
-        return bound / 8.0, travel + np.linalg.norm(straight, axis=1)
-
-    def _until(self, link: str) -> tuple[Joint, ...]:
-        last = next(i for i, joint in enumerate(self.joints) if joint.link == link)
-        return self.joints[: last + 1]
+    def frames(self, link: str, q: Array) -> tuple[Array, Array]:
+        """Rotation (N, 3, 3) and translation (N, 3) [m] of a link seen from the base, for q (N, n)."""
+        placed = np.empty((len(q), len(self.joints), POSE))
+        place_all(self.joints, np.ascontiguousarray(q), placed)
+        link_poses = placed[:, self.rows[link]]
+        return link_poses[:, :POSE_T].reshape(-1, 3, 3), link_poses[:, POSE_T : POSE_T + 3]
 
 
-def largest_arm(joint: int, start: Frames, end: Frames, ball: tuple[Array, Array], travel: Array) -> Array:
-    """Largest distance of a ball's points from a joint's axis anywhere on the motion, at most, (N,) [m].
+@dataclass(frozen=True, eq=False)
+class _Joint:
+    """One step outwards: a fixed transform (4, 4), then the motion of an axis, sign times its value."""
 
-    travel: how far the joints beyond it move the ball, (N,): any instant is within half of it of an end.
-    """
-    center, radius = ball
-    at_ends = []
-    for frames in (start, end):
-        place = np.einsum("nij,nj->ni", frames.R, center) + frames.t
-        at_ends.append(np.linalg.norm(cross(place - frames.origins[joint], frames.axes[joint]), axis=1))
-    arm: Array = np.maximum(*at_ends) + radius + 0.5 * travel
-    return arm
+    axis: str
+    sign: float
+    fixed: Array
 
 
-def _tool_joints(machine: Machine, chain: tuple[ChainJoint, ...], fixed: Array) -> list[Joint]:
+def _packed(machine: Machine, steps: list[_Joint]) -> Kinematics:
+    joints = np.zeros((len(steps), JOINT))
+    for i, step in enumerate(steps):
+        axis = machine.axis(step.axis)
+        joints[i, :FIXED_T] = step.fixed[:3, :3].reshape(9)
+        joints[i, FIXED_T:DIRECTION] = step.fixed[:3, 3]
+        joints[i, DIRECTION:SIGN] = axis.direction
+        joints[i, SIGN] = step.sign
+        joints[i, TURNS], joints[i, INDEX] = axis.kind == "revolute", machine.index(step.axis)
+    # A tool link has the name of the axis that moves it.
+    return Kinematics(joints, {step.axis: i for i, step in enumerate(steps)})
+
+
+def _tool_joints(chain: tuple[ChainJoint, ...] | list[ChainJoint], fixed: Array) -> list[_Joint]:
     joints = []
     for step in chain:
-        joints.append(_joint(machine, step, 1.0, fixed @ _translation(step.offset), step.axis))
+        joints.append(_Joint(step.axis, 1.0, fixed @ _translation(step.offset)))
         fixed = np.eye(4)
     return joints
-
-
-def _joint(machine: Machine, step: ChainJoint, sign: float, fixed: Array, link: str | None) -> Joint:
-    axis: Axis = machine.axis(step.axis)
-    return Joint(machine.index(step.axis), axis.kind, axis.direction, sign, *_parts(fixed), link)
 
 
 def _inverse(T: Array) -> Array:
@@ -159,20 +88,7 @@ def _inverse(T: Array) -> Array:
     return inverse
 
 
-def _parts(T: Array) -> tuple[Array, Array]:
-    return frozen(T[:3, :3]), frozen(T[:3, 3])
-
-
 def _translation(offset: Array) -> Array:
     T = np.eye(4)
     T[:3, 3] = offset
     return T
-
-
-def _rotations(direction: Array, angle: Array) -> Array:
-    """Rotations about one unit direction by angles (N,), (N, 3, 3) (Rodrigues)."""
-    x, y, z = direction
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    sine, versine = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
-    R: Array = np.eye(3) + sine * K + versine * (K @ K)
-    return R

@@ -3,13 +3,16 @@
 Comparisons are written so that a NaN fails them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from math import inf, nan
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planners.arrays import Array
 from robots.machine import Machine
 from robots.nc import AXIS_FIELDS, Finding, NcBlock, NcDynamics, NcProgram
+from robots.verify_motions import configurations
 from robots.verify_profile import rest_to_rest
 
 TIME_DIGIT = 1e-6
@@ -22,34 +25,39 @@ _RESTING = ("process", "die_change")
 
 def motion_findings(program: NcProgram, machine: Machine) -> Iterator[Finding]:
     """Everything wrong with travel, times and dynamics."""
+    q = configurations(program.blocks)
+    inside = within_travel(q, machine).tolist()
+    delta = np.diff(q, axis=0, prepend=q[:1])
+    commanded, allowed = _commanded(program.blocks, delta), _allowed(machine)
+    slow_enough = np.all(commanded <= allowed, axis=(1, 2)).tolist()  # false for NaN
     previous: NcBlock | None = None
-    for block in program.blocks:
-        yield from _travel(block, machine)
+    for i, block in enumerate(program.blocks):
+        if not inside[i]:
+            yield from _travel(block, q[i], machine)
         yield from _time(block, previous)
-        delta = np.zeros(len(AXIS_FIELDS)) if previous is None else block.axes.q - previous.axes.q
         if previous is None or block.kind in _RESTING:
-            yield from _rest(block, delta)
+            yield from _rest(block, delta[i])
         else:
-            yield from _motion(block, delta, machine)
+            too_fast = () if slow_enough[i] else _axis_dynamics(block, commanded[i], machine)
+            yield from _motion(block, too_fast)
         previous = block
 
 
-def within_travel(block: NcBlock, machine: Machine) -> bool:
-    """Whether every axis value of the block is a number within the travel of the machine."""
-    q = block.axes.q
-    return bool(np.all((q >= machine.lower - _TRAVEL_TOLERANCE) & (q <= machine.upper + _TRAVEL_TOLERANCE)))
+def within_travel(q: Array, machine: Machine) -> NDArray[np.bool_]:
+    """Which configurations, (B, n), are numbers within the travel of the machine, (B,)."""
+    within = (q >= machine.lower - _TRAVEL_TOLERANCE) & (q <= machine.upper + _TRAVEL_TOLERANCE)
+    inside: NDArray[np.bool_] = np.logical_and.reduce(within, axis=1)
+    return inside
 
 
 def valid(dynamics: NcDynamics) -> bool:
     """Whether the path limits are positive numbers."""
     limits = (dynamics.v_per_s, dynamics.a_per_s2, dynamics.j_per_s3)
-    return all(np.isfinite(limit) and limit > 0.0 for limit in limits)
+    return all(0.0 < limit < inf for limit in limits)
 
 
-def _travel(block: NcBlock, machine: Machine) -> Iterator[Finding]:
-    if within_travel(block, machine):
-        return
-    for name, axis, value in zip(AXIS_FIELDS, machine.axes, block.axes.q, strict=True):
+def _travel(block: NcBlock, q: Array, machine: Machine) -> Iterator[Finding]:
+    for name, axis, value in zip(AXIS_FIELDS, machine.axes, q, strict=True):
         inside = axis.lower - _TRAVEL_TOLERANCE <= value <= axis.upper + _TRAVEL_TOLERANCE
         if not inside:
             scale, unit = _unit(name)
@@ -79,7 +87,7 @@ def _rest(block: NcBlock, delta: Array) -> Iterator[Finding]:
         yield Finding("dynamics_unexpected", text, block.n, block.fastener_id)
 
 
-def _motion(block: NcBlock, delta: Array, machine: Machine) -> Iterator[Finding]:
+def _motion(block: NcBlock, too_fast: Iterable[Finding]) -> Iterator[Finding]:
     stated = block.dynamics
     if stated is None:
         yield Finding(
@@ -91,7 +99,7 @@ def _motion(block: NcBlock, delta: Array, machine: Machine) -> Iterator[Finding]
         text = f"block {block.n}: the path limits {limits} must all be positive numbers"
         yield Finding("dynamics_invalid", text, block.n, block.fastener_id)
         return
-    yield from _axis_dynamics(block, delta, machine, np.array(limits))
+    yield from too_fast
     needed = rest_to_rest(*limits).duration
     duration = block.t_end_s - block.t_start_s
     if not needed - _HALF_DIGIT <= duration <= needed + TIME_DIGIT + _HALF_DIGIT:
@@ -99,12 +107,23 @@ def _motion(block: NcBlock, delta: Array, machine: Machine) -> Iterator[Finding]
         yield Finding("duration_mismatch", text, block.n, block.fastener_id)
 
 
-def _axis_dynamics(block: NcBlock, delta: Array, machine: Machine, limits: Array) -> Iterator[Finding]:
+def _commanded(blocks: Sequence[NcBlock], delta: Array) -> Array:
+    """Speeds, accelerations and jerks of the axes at the path limits, (B, 3, n); NaN without dynamics."""
+    stated = [(d.v_per_s, d.a_per_s2, d.j_per_s3) if (d := b.dynamics) else (nan,) * 3 for b in blocks]
+    with np.errstate(invalid="ignore", over="ignore"):
+        commanded: Array = np.abs(delta)[:, None, :] * np.array(stated).reshape(-1, 3)[:, :, None]
+    return commanded
+
+
+def _allowed(machine: Machine) -> Array:
+    allowed: Array = np.array([machine.v_max, machine.a_max, machine.j_max]) * (1.0 + _RELATIVE)
+    return allowed
+
+
+def _axis_dynamics(block: NcBlock, commanded: Array, machine: Machine) -> Iterator[Finding]:
     names = ("speed", "acceleration", "jerk")
-    allowed = np.array([machine.v_max, machine.a_max, machine.j_max])
-    commanded = np.abs(delta) * limits[:, None]
-    within = commanded <= allowed * (1.0 + _RELATIVE)
-    for k, i in np.argwhere(~within):
+    allowed = _allowed(machine)
+    for k, i in np.argwhere(~(commanded <= allowed)):
         scale, unit = _unit(AXIS_FIELDS[i])
         per = "/s" + ("", "2", "3")[k]
         text = (

@@ -1,46 +1,46 @@
-"""The geometry of a program's blocks: where each starts and ends, where its tip works, what it may touch."""
+"""What the numbers of a program's blocks say: where each ends, where its tip works, what it may touch."""
 
 from collections.abc import Sequence
+from operator import attrgetter
 
 import numpy as np
 
 from planners.arrays import Array
-from robots.nc import NcBlock
+from robots.nc import AXIS_FIELDS, NcBlock
 from robots.panel import Panel
-from robots.separation import IntArray
-from robots.verify_kinematics import Kinematics
-from robots.verify_pairs import Motions
+from robots.proof.layout import Ints
 
 AT_FASTENER = ("approach", "process", "retreat")
+_values = attrgetter(*AXIS_FIELDS)
 
 
-def motions_of(blocks: Sequence[NcBlock], kinematics: Kinematics, die_link: str) -> Motions:
-    """Straight motions of all blocks; the first one stands at its own axes.
-
-    Anchors: for a link (a run of move blocks) the tip's places where it leaves a retreat and where it meets
-    an approach; at a fastener the open pose the approach starts from or the retreat ends at.
-    """
-    end = np.array([block.axes.q for block in blocks])
-    start = np.vstack([end[:1], end[:-1]])
-    tip = kinematics.frames(die_link, end).t
-    return Motions(start, end - start, _anchors([block.kind for block in blocks], tip))
+def configurations(blocks: Sequence[NcBlock]) -> Array:
+    """Configurations at the ends of all blocks, (B, 7) [m] or [rad], to the last bit as `NcAxes.q`."""
+    q = np.array([_values(block.axes) for block in blocks], dtype=np.float64).reshape(-1, len(AXIS_FIELDS))
+    for i, name in enumerate(AXIS_FIELDS):
+        q[:, i] = q[:, i] / 1e3 if name.endswith("_mm") else np.radians(q[:, i])
+    return q
 
 
-def contact_keys(blocks: Sequence[NcBlock], panel: Panel) -> IntArray:
-    """What the die tip may touch: block row * number of parts + part, sorted; the stacks worked on."""
+def contact_runs(blocks: Sequence[NcBlock], panel: Panel) -> tuple[Ints, Ints]:
+    """What the die tip may touch: runs (B + 1,) of part indices; the stacks worked on."""
     part = {part_id: i for i, part_id in enumerate(panel.part_ids)}
     stacks = {f.id: [part[p] for p in s.parts] for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
-    keys = [
-        row * len(part) + index
-        for row, block in enumerate(blocks)
-        if block.kind in AT_FASTENER and block.fastener_id is not None
-        for index in stacks.get(block.fastener_id, ())
-    ]
-    return np.array(sorted(keys), dtype=np.int64)
+    parts: list[int] = []
+    first = [0]
+    for block in blocks:
+        if block.kind in AT_FASTENER and block.fastener_id is not None:
+            parts += stacks.get(block.fastener_id, ())
+        first.append(len(parts))
+    return np.array(first, dtype=np.int64), np.array(parts, dtype=np.int64)
 
 
-def _anchors(kinds: list[str], tip: Array) -> Array:
-    """Anchors (B, 2, 3); `tip`: where the tip is at the end of each block, (B, 3)."""
+def anchors_of(kinds: Sequence[str], tip: Array) -> Array:
+    """Where the tip works near each block, (B, 2, 3), NaN for nowhere; `tip`: where it is at the end, (B, 3).
+
+    For a link (a run of move blocks): where the tip leaves a retreat and where it meets an approach; at a
+    fastener: the open pose the approach starts from or the retreat ends at.
+    """
     anchors = np.full((len(kinds), 2, 3), np.nan)
     leaving: Array | None = None
     for row, kind in enumerate(kinds):

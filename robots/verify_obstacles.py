@@ -1,4 +1,4 @@
-"""The panel as the verifier sees it: convex pieces with face planes and boxes, in clusters."""
+"""The panel as the verifier sees it: convex pieces with face planes, under a tree of boxes."""
 
 from dataclasses import dataclass
 
@@ -7,80 +7,70 @@ import numpy as np
 from planners.arrays import Array
 from robots.hexahedra import HEX_FACES
 from robots.panel import Panel
-from robots.separation import IntArray
+from robots.proof.layout import FACES, PART, Ints
 
-_CLUSTER = 24  # pieces; about the square root of twice the pieces of a shell, where both stages cost the same
+_LEAF = 6  # pieces, about; measured
 
 
 @dataclass(frozen=True, eq=False)
 class Obstacles:
-    """H convex pieces in the panel frame [m], ordered so that each cluster is a run of them.
+    """H convex pieces in the panel frame, in the order of the tree's leaves; see `proof.layout.Scene`.
 
-    vertices (H, 8, 3); normals (H, 6, 3) unit outward; offsets (H, 6) largest normal.x over the whole piece;
-    lower, upper (H, 3) boxes; part (H,) index into part_ids. Clusters: first (G + 1,) runs, box_lower,
-    box_upper (G, 3).
+    pieces (H, PIECE), their parts are indices into part_ids. nodes (N, 6): boxes of the tree. levels: below
+    its root.
     """
 
-    vertices: Array
-    normals: Array
-    offsets: Array
-    lower: Array
-    upper: Array
-    part: IntArray
+    pieces: Array
     part_ids: tuple[str, ...]
-    first: IntArray
-    box_lower: Array
-    box_upper: Array
+    nodes: Array
+    levels: int
 
     @staticmethod
     def of(panel: Panel) -> "Obstacles":
         vertices, part = panel.pieces()
-        order, first = _clusters(vertices.mean(axis=1))
-        vertices = np.ascontiguousarray(vertices[order])
-        normals = _normals(vertices)
-        # The support of the whole piece, not the plane of the face: sound whatever the order of the vertices
-        # is.
-        offsets = np.einsum("hfk,hvk->hfv", normals, vertices).max(axis=2)
-        lower, upper = vertices.min(axis=1), vertices.max(axis=1)
-        return Obstacles(
-            vertices,
-            normals,
-            offsets,
-            lower,
-            upper,
-            part[order].astype(np.int64),
-            panel.part_ids,
-            first,
-            np.minimum.reduceat(lower, first[:-1]),
-            np.maximum.reduceat(upper, first[:-1]),
-        )
-
-    def pieces_of(self, clusters: IntArray) -> tuple[IntArray, IntArray]:
-        """All pieces of the given clusters (M,): row in `clusters` and piece, each (P,)."""
-        count = self.first[clusters + 1] - self.first[clusters]
-        row = np.repeat(np.arange(len(clusters)), count)
-        within = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-        return row, self.first[clusters][row] + within
+        levels = max(0, int(np.log2(len(vertices) / _LEAF)))
+        order = _order(vertices.mean(axis=1), levels)
+        vertices = vertices[order]
+        nodes = _boxes(vertices.min(axis=1), vertices.max(axis=1), levels)
+        faces = _faces(vertices).reshape(-1, PART - FACES)
+        pieces = np.hstack([vertices.reshape(-1, FACES), faces, part[order][:, None]])
+        return Obstacles(pieces, panel.part_ids, nodes, levels)
 
 
-def _normals(vertices: Array) -> Array:
-    faces = vertices[:, HEX_FACES]
-    normals = np.cross(faces[:, :, 2] - faces[:, :, 0], faces[:, :, 3] - faces[:, :, 1])
+def _faces(vertices: Array) -> Array:
+    """Unit outward normal of each face and the largest normal.x over the whole piece, (H, 6, 4)."""
+    corners = vertices[:, HEX_FACES]
+    normals = np.cross(corners[:, :, 2] - corners[:, :, 0], corners[:, :, 3] - corners[:, :, 1])
     length = np.linalg.norm(normals, axis=-1, keepdims=True)
     # A face without area has no normal; any unit vector is a sound direction.
-    return np.where(length > 0.0, normals / np.where(length > 0.0, length, 1.0), np.array([0.0, 0.0, 1.0]))
+    normals = np.where(length > 0.0, normals / np.where(length > 0.0, length, 1.0), np.array([0.0, 0.0, 1.0]))
+    # The support of the whole piece, not the plane of the face: sound whatever the order of the vertices is.
+    offsets = np.einsum("hfk,hvk->hfv", normals, vertices).max(axis=2)
+    return np.concatenate([normals, offsets[:, :, None]], axis=2)
 
 
-def _clusters(centers: Array) -> tuple[IntArray, IntArray]:
-    """Order of the pieces, (H,), and starts of runs of neighbours, (G + 1,)."""
-    runs = [np.arange(len(centers))]
-    done: list[IntArray] = []
-    while runs:
-        run = runs.pop()
-        if len(run) <= _CLUSTER:
-            done.append(run)
-            continue
-        side = int(np.ptp(centers[run], axis=0).argmax())
-        run = run[np.argsort(centers[run, side], kind="stable")]
-        runs += [run[len(run) // 2 :], run[: len(run) // 2]]
-    return np.concatenate(done), np.concatenate([[0], np.cumsum([len(run) for run in done])])
+def _starts(pieces: int, level: int) -> Ints:
+    """First piece of each node of a level, and the end, (2^level + 1,)."""
+    return np.arange((1 << level) + 1, dtype=np.int64) * pieces // (1 << level)
+
+
+def _order(centers: Array, levels: int) -> Ints:
+    """Order of the pieces, (H,): every node is cut in the middle of its longest side."""
+    order = np.arange(len(centers))
+    for level in range(levels):
+        first = _starts(len(centers), level)
+        here = centers[order]
+        spread = np.maximum.reduceat(here, first[:-1]) - np.minimum.reduceat(here, first[:-1])
+        node = np.repeat(np.arange(1 << level), np.diff(first))
+        along = here[np.arange(len(here)), spread.argmax(axis=1)[node]]
+        order = order[np.lexsort((along, node))]
+    return order
+
+
+def _boxes(lower: Array, upper: Array, levels: int) -> Array:
+    """Boxes of all nodes from the root downwards, (2^(levels + 1) - 1, 6)."""
+    boxes = []
+    for level in range(levels + 1):
+        first = _starts(len(lower), level)[:-1]
+        boxes.append(np.hstack([np.minimum.reduceat(lower, first), np.maximum.reduceat(upper, first)]))
+    return np.vstack(boxes)

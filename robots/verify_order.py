@@ -10,6 +10,7 @@ from robots.nc import Finding, NcBlock, NcProgram
 from robots.panel import Fastener, Panel
 from robots.processes import Process, StepCode
 from robots.verify_motion import TIME_DIGIT
+from robots.verify_motions import configurations
 
 _AXIS_TOLERANCE = 1.5e-7  # [m]: a digit of W at each end
 _NEXT = {"approach": "process", "process": "retreat"}
@@ -123,10 +124,9 @@ def _strokes(
 ) -> Iterator[Finding]:
     """Approach and retreat move W only: up and down by the height of the formed tail and the margin."""
     axis = machine.index("W")
-    for before, block in pairwise(blocks):
+    for block, delta in zip(blocks[1:], np.diff(configurations(blocks), axis=0), strict=True):
         if block.kind not in ("approach", "retreat"):
             continue
-        delta = block.axes.q - before.axes.q
         stroke = float(delta[axis]) if block.kind == "approach" else -float(delta[axis])
         delta[axis] = 0.0
         n, fastener_id = block.n, block.fastener_id

@@ -36,6 +36,8 @@ class Profile:
     def time(self, s: float) -> float:
         """The time at which s is reached, by bisection; [s]."""
         low, high = 0.0, self.duration
+        if s <= 0.0 or s >= 1.0:
+            return low if s <= 0.0 else high
         while high - low > _TIME_RESOLUTION:
             middle = 0.5 * (low + high)
             if self.position(middle) < s:

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from planners.arrays import Array
-from planners.retiming import PathLimits, exact_stop, path_limits
+from planners.retiming import PathLimits, path_limits, rest_to_rest
 from robots.links import Link
 from robots.machine import Machine
 from robots.nc import BlockKind, NcAxes, NcBlock, NcDynamics, NcEvent
@@ -35,6 +35,7 @@ class BlockWriter:
         self._machine = machine
         self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
         self._axes = NcAxes.of(machine.home)
+        self._q = self._axes.q
         self._die_id = first_die
         self.blocks: list[NcBlock] = []
         self.elapsed_us = 0
@@ -92,24 +93,25 @@ class BlockWriter:
         axes = NcAxes.of(q)
         if axes == self._axes:
             return
-        limits = self._limits(axes)
-        profile = exact_stop(*self._deltas(axes), limits)
+        machine, written = self._machine, axes.q
+        limits = _written(path_limits(written - self._q, machine.v_max, machine.a_max, machine.j_max))
+        duration_us = _micro_up(rest_to_rest(limits).duration)
         dynamics = NcDynamics(v_per_s=limits.v, a_per_s2=limits.a, j_per_s3=limits.j)
-        self._axes = axes
+        self._axes, self._q = axes, written
         self._append(
             NcBlock(
                 n=self._next_n(),
                 kind=kind,
                 axes=axes,
                 t_start_s=self.elapsed_us / _MICRO,
-                t_end_s=(self.elapsed_us + _micro_up(profile.duration)) / _MICRO,
+                t_end_s=(self.elapsed_us + duration_us) / _MICRO,
                 die_id=self._die_id,
                 dynamics=dynamics,
                 fastener_id=fastener_id,
                 allowed_contacts=contacts,
                 origin=origin,
             ),
-            _micro_up(profile.duration),
+            duration_us,
             spent_on,
         )
 
@@ -147,14 +149,10 @@ class BlockWriter:
     def _next_n(self) -> int:
         return _BLOCK_STEP * (len(self.blocks) + 1)
 
-    def _deltas(self, axes: NcAxes) -> tuple[Array, Array, Array, Array]:
-        machine = self._machine
-        return axes.q - self._axes.q, machine.v_max, machine.a_max, machine.j_max
 
-    def _limits(self, axes: NcAxes) -> PathLimits:
-        """The limits as they will be written: never above what the axes allow."""
-        fastest = path_limits(*self._deltas(axes))
-        return PathLimits(*(float(_LIMIT_DIGITS.text(value)) for value in (fastest.v, fastest.a, fastest.j)))
+def _written(limits: PathLimits) -> PathLimits:
+    """The limits as they will be written: rounded down, so never above what the axes allow."""
+    return PathLimits(*[_LIMIT_DIGITS.rounded(value) for value in (limits.v, limits.a, limits.j)])
 
 
 def _micro_up(seconds: float) -> int:

@@ -71,6 +71,12 @@ def plan(
         Literal["kernel", "coal"],
         typer.Option(help="Who certifies links: the compiled kernel, or its slower oracle."),
     ] = "kernel",
+    escapes: Annotated[
+        Path | None,
+        typer.Option(
+            help="Escapes of this panel family: an input where the file is there; what is found is added."
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no summary.")] = False,
 ) -> None:
     """Plan a panel's program, verify it and write it."""
@@ -86,6 +92,7 @@ def plan(
             seed=seed,
             workers=workers or os.cpu_count() or 1,
             checker=checker,
+            escapes_file=escapes,
             quiet=quiet,
         )
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from planners.escapes import Escape
 from robots.cell import Cell
 from robots.links import Link, LinkFinder, is_cancelled
 from robots.panel import Panel
@@ -35,11 +36,14 @@ class Stop:
 
 @dataclass(eq=False)
 class Run:
-    """What became of a run of fasteners with one die: stops in order, refusals by index, failed searches."""
+    """What became of a run of fasteners with one die: stops in order, refusals by index, failed searches, and
+    the escapes that were found.
+    """
 
     stops: list[Stop] = field(default_factory=list)
     refusals: dict[int, Refusal] = field(default_factory=dict)
     failures: list[Link] = field(default_factory=list)
+    escapes: tuple[Escape, ...] = ()
 
 
 def refusal_of(link: Link, station: Station) -> Refusal:
@@ -57,15 +61,16 @@ def plan_run(
     heuristics: Heuristics,
     seed: int,
     stop: Callable[[], bool],
+    escapes: Sequence[Escape] = (),
 ) -> Run:
     """Stations for the fasteners `indices` of the panel, in that order, and links between those that have
     one.
 
     before: the fastener that precedes the run, which gives the first one its direction of travel. A fastener
-    that cannot be reached from the one before is left out and the run goes on from where it stands. Raises
-    Cancelled when `stop` says so.
+    that cannot be reached from the one before is left out and the run goes on from where it stands. escapes:
+    the memory it begins with. Raises Cancelled when `stop` says so.
     """
-    finder = LinkFinder(cell, heuristics, seed)
+    finder = LinkFinder(cell, heuristics, seed, escapes)
     run = Run()
     came_from = None if before is None else panel.fasteners[before].p
     angle = cell.machine.axis("C").home
@@ -87,4 +92,5 @@ def plan_run(
             continue
         run.stops.append(Stop(index, station, link))
         angle = station.die_angle
+    run.escapes = finder.found
     return run

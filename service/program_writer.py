@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from robots.dies import Die
+from robots.escape_file import FamilyEscapes
 from robots.machine import Machine
 from robots.nc import (
     FastenerStatus,
@@ -46,16 +48,24 @@ _MM = 1e3
 
 
 def write_program(
-    panel: Panel, machine: Machine, dies: Sequence[Die], itinerary: Itinerary, seed: int
+    panel: Panel,
+    machine: Machine,
+    dies: Sequence[Die],
+    itinerary: Itinerary,
+    seed: int,
+    escapes: FamilyEscapes | None = None,
 ) -> NcProgram:
-    """The program without clearances and certificate, with the numbers a reader of its file will see."""
+    """The program without clearances and certificate, with the numbers a reader of its file will see.
+
+    escapes: those that were known when it was planned.
+    """
     used = [each.die_id for each in itinerary.passes]
     writer = BlockWriter(machine, panel, used[0] if used else dies[0].id)
     writer.write(itinerary)
     fasteners = _fasteners(panel, itinerary, writer)
-    inputs = _inputs(panel, machine, dies)
+    inputs = _inputs(panel, machine, dies, escapes)
     planner = NcPlanner("rivetplan", __version__, seed)
-    return rounded(
+    program = rounded(
         NcProgram(
             header=NcHeader(program_id(inputs, planner), panel.title, planner, inputs),
             machine=_machine(machine),
@@ -63,19 +73,21 @@ def write_program(
             policy=_policy(panel, machine),
             dies=tuple(NcDie(die.id, die.axisymmetric) for die in dies),
             processes=_processes(panel, machine),
-            blocks=tuple(writer.blocks),
+            blocks=(),
             fasteners=fasteners,
             summary=_summary(itinerary, writer, fasteners),
         )
     )
+    return replace(program, blocks=tuple(writer.blocks))  # which are timed as they are rounded
 
 
-def _inputs(panel: Panel, machine: Machine, dies: Sequence[Die]) -> NcInputs:
+def _inputs(panel: Panel, machine: Machine, dies: Sequence[Die], escapes: FamilyEscapes | None) -> NcInputs:
     return NcInputs(
         machine=NcInput(machine.id, machine.sha256),
         panel=NcInput(panel.id, panel.sha256),
         dies=NcInput(" ".join(die.id for die in dies), machine.dies.sha256),
         process=NcInput(machine.processes.id, machine.processes.sha256),
+        escapes=None if escapes is None else NcInput(escapes.id, escapes.sha256),
     )
 
 

@@ -13,10 +13,12 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 from planners.detector import never
+from planners.escapes import Escape
 from planners.result import PlanResult
 from robots.cell import Cell, Checker
 from robots.dies import Die
 from robots.errors import InputProblem, InvalidInput
+from robots.escape_file import FamilyEscapes
 from robots.links import LinkFinder
 from robots.machine import Axis, Machine
 from robots.nc import NcProgram
@@ -62,10 +64,11 @@ class Statistics:
 
 @dataclass(frozen=True, eq=False)
 class ProgrammedPanel:
-    """A finished program with its certificate, and what it cost."""
+    """A finished program with its certificate, what it cost, and the escapes known now."""
 
     program: NcProgram
     statistics: Statistics
+    escapes: FamilyEscapes
 
 
 Progress = Callable[[ProgressEvent], None]
@@ -82,11 +85,13 @@ def program_panel(
     stop: Callable[[], bool] = never,
     heuristics: Heuristics = "heuristics_and_escapes",
     checker: Checker = "kernel",
+    escapes: FamilyEscapes | None = None,
 ) -> ProgrammedPanel:
     """Plan, time and verify the program of `panel`.
 
     dies: in the order they are tried, at least one. seed: same input and seed, same bytes, on any number of
-    `workers`. progress: told how far each phase is. checker: who certifies links, see `Cell`. Raises
+    `workers`. progress: told how far each phase is. checker: who certifies links, see `Cell`. escapes: of
+    earlier programs on this machine, tried first; an input like the others, named in the header. Raises
     `die_pass.Cancelled` when `stop` says so, InvalidInput where the machine's home pose is in collision with
     the panel, ValueError without a die.
     """
@@ -95,15 +100,16 @@ def program_panel(
     statistics = Statistics()
     tell = progress or (lambda _: None)
     with statistics.phase("plan"):
-        itinerary = _plan(panel, machine, dies, seed, workers, tell, stop, heuristics, checker)
+        known = escapes or FamilyEscapes(panel.id, machine, {})
+        itinerary, found = _plan(panel, machine, dies, seed, workers, tell, stop, heuristics, checker, known)
     statistics.links = tuple((leaves, leads, link.result) for leaves, leads, link in itinerary.named_links())
     with statistics.phase("write"):
-        program = write_program(panel, machine, dies, itinerary, seed)
+        program = write_program(panel, machine, dies, itinerary, seed, escapes)
     with statistics.phase("verify"):
         tell(ProgressEvent("verify", 0, len(program.blocks)))
         program = certified(program, panel, machine)
         tell(ProgressEvent("verify", len(program.blocks), len(program.blocks)))
-    return ProgrammedPanel(program, statistics)
+    return ProgrammedPanel(program, statistics, known.with_found(found))
 
 
 def _plan(
@@ -116,17 +122,30 @@ def _plan(
     stop: Callable[[], bool],
     heuristics: Heuristics,
     checker: Checker,
-) -> Itinerary:
-    itinerary = Itinerary()
+    known: FamilyEscapes,
+) -> tuple[Itinerary, dict[str, list[Escape]]]:
+    """The itinerary, and for each die the escapes found, in the order of the runs."""
+    itinerary, found = Itinerary(), dict[str, list[Escape]]()
+    workers = min(workers, math.ceil(len(panel.fasteners) / RUN_LENGTH))
     with Crew(machine, panel, heuristics, seed, workers, stop, checker) as crew:
         for die in dies:
             cell = crew.here.cell(die.id)
             require_free_home(cell)
             tasks = _tasks(panel, die, itinerary.installed)
-            runs = _counted(crew.plan(tasks), tasks, f"plan {die.id}", tell)
-            itinerary.join(die.id, runs, LinkFinder(cell, heuristics, seed), stop)
+            escapes = known.of_die.get(die.id, ())
+            runs = _counted(crew.plan(tasks, escapes), tasks, f"plan {die.id}", tell)
+            finder, mine = LinkFinder(cell, heuristics, seed, escapes), found.setdefault(die.id, [])
+            itinerary.join(die.id, _noted(runs, mine), finder, stop)
+            mine += finder.found
         itinerary.explain(panel, crew.here.cell)
-    return itinerary
+    return itinerary, found
+
+
+def _noted(runs: Iterator[Run], escapes: list[Escape]) -> Iterator[Run]:
+    """The runs, while what they found is added to `escapes`."""
+    for run in runs:
+        escapes += run.escapes
+        yield run
 
 
 def _tasks(panel: Panel, die: Die, installed: frozenset[int]) -> list[RunTask]:

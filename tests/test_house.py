@@ -52,14 +52,15 @@ def test_every_module_of_the_verifier_is_kept_apart_from_the_planners_geometry()
     contracts = pyproject()["tool"]["importlinter"]["contracts"]
     (contract,) = [each for each in contracts if "verifier" in each["name"]]
     modules_of_it = {f"robots.{path.stem}" for path in (ROOT / "robots").glob("verify*.py")} | {
-        "robots.separation"
+        "robots.proof"
     }
 
     assert modules_of_it <= set(contract["source_modules"])
-    assert {"coal", "pinocchio", "robots.cell", "robots.chain"} <= set(contract["forbidden_modules"])
+    geometry = {"coal", "pinocchio", "robots.cell", "robots.chain", "robots.kernel"}
+    assert geometry <= set(contract["forbidden_modules"])
 
 
-@pytest.mark.parametrize("name", ["requirements.lock", "requirements-dev.lock"])
+@pytest.mark.parametrize("name", ["requirements.lock", "requirements-dev.lock", "requirements-bench.lock"])
 def test_lock_files_pin_with_hashes_and_name_no_address(name: str) -> None:
     text = (ROOT / name).read_text()
     requirements = re.findall(
@@ -71,11 +72,12 @@ def test_lock_files_pin_with_hashes_and_name_no_address(name: str) -> None:
     assert re.search(r"https?:|file:|--index-url|--find-links", text) is None
 
 
-def test_runtime_lock_is_part_of_the_development_lock() -> None:
+@pytest.mark.parametrize("larger", ["requirements-dev.lock", "requirements-bench.lock"])
+def test_runtime_lock_is_part_of_the_others(larger: str) -> None:
     def pins(name: str) -> set[str]:
         return set(re.findall(r"^[a-z0-9][^\s;]*==[^\s;]+", (ROOT / name).read_text(), re.M))
 
-    assert pins("requirements.lock") < pins("requirements-dev.lock")
+    assert pins("requirements.lock") < pins(larger)
 
 
 def test_version_of_the_distribution_is_in_the_changelog() -> None:

@@ -5,16 +5,24 @@ import numpy as np
 from robots.cell import Cell
 from robots.hexahedra import box
 from robots.machine_file import load_machine, machine_ids
-from robots.panel import Panel, Part
+from robots.panel import Fastener, Panel, Part, Stack
 from robots.surface import Surface
+from robots.surroundings import surroundings_of
 
 
 def warm() -> None:
-    """Ask the kernel one question about a bare sheet; all questions are one compiled entry."""
+    """Ask for a link, a station and surroundings on a bare sheet: questions to a cell are one compiled entry,
+    those about the contact of a tip and about free ways two more.
+    """
     machine = load_machine(machine_ids()[0])
     sheet = Part("sheet", "skin", box(np.array([-0.5, -0.5, -0.002]), np.array([0.5, 0.5, 0.0]))[None])
-    panel = Panel("sheet", "sheet", Surface(), (sheet,), (), (), np.eye(4), 0.0, 0.0, "")
-    Cell(machine, next(iter(machine.dies)), panel).link_space([]).is_free(machine.home)
+    rivet = Fastener("rivet", np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.004, 0.002, "solid_rivet")
+    stack = Stack(("sheet",), 0.002, 0.002)
+    panel = Panel("sheet", "sheet", Surface(), (sheet,), (rivet,), (stack,), np.eye(4), 0.0, 0.0, "")
+    cell = Cell(machine, next(iter(machine.dies)), panel)
+    cell.link_space([]).is_free(machine.home)
+    cell.process_is_free(rivet, machine.home, machine.home)
+    surroundings_of(cell).at(machine.home)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 """The certified edge of `robots.certified_edge` in one compiled call, with the clearances of one link.
 
 `ask` takes a cell packed by `flat`, the anchors of the link (P, 3) in the panel frame [m], and
-configurations. It runs without the GIL and keeps nothing between calls. It is one
-function for all questions because every function called from outside is compiled with all that is below it.
+configurations. It runs without the GIL and keeps nothing between calls. It is one function for all questions
+because every function called from outside is compiled with all that is below it.
 """
 
 from __future__ import annotations
@@ -10,60 +10,71 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from planners.arrays import Array
-from planners.compiled import compiled
+from planners.compiled import compiled_on_views
 from robots.certified_edge import RESOLUTION
-from robots.kernel.layout import LOWER, NEAR_RADIUS, POSE_T, UPPER, Ints
+from robots.kernel.layout import BOX_CENTER, LOWER, NEAR_RADIUS, NORMALS, OFFSETS, POSE_T, UPPER, Ints
 from robots.kernel.motion import motion_of_pairs
-from robots.kernel.pairs import keep_near
-from robots.kernel.poses import place_links
-from robots.kernel.work import LEVELS, unowned, views_of, work_of
+from robots.kernel.pairs import ALL, item, keep_near, pair_of
+from robots.kernel.plain import flag, number
+from robots.kernel.poses import place_links, place_solid
+from robots.kernel.within import NOWHERE
+from robots.kernel.work import LEVELS, MOST, views_of, work_of
 
 AT_LIMIT = 1e-12
 """As `Machine.within_limits`: so much beyond an axis limit is rounding."""
 
-POSE, PATH, ADVANCE = 0, 1, 2
+POSE, PATH, ADVANCE, STATION = 0, 1, 2, 3
 """What `ask` can be asked."""
 
 POLICY = -1.0
 """In place of a clearance: what the policy asks for, in transit and near the anchors."""
 
 
-@compiled
-def place(cell: Any, work: Any, a: Array, b: Array, at: float) -> None:
-    """Place the machine at a + at (b - a)."""
+@compiled_on_views
+def place(cell: Any, work: Any, a: Array, b: Array, at: float, slot: int) -> None:
+    """Place the machine at a + at (b - a), in one slot."""
     q = work.q
     for i in range(7):
         q[i] = a[i] + at * (b[i] - a[i])
-    work.now[0] += 1
-    place_links(cell.machine, q, work.frames)
+    placed, rows = work.placed, 2 * len(cell.solids)
+    for row in range(rows * slot, rows * (slot + 1)):
+        placed[row] = 0
+    place_links(cell.machine, q, work.frames, 6 * slot)
 
 
-@compiled
-def needed_column(frames: Array, anchors: Array, within: float) -> int:
+@compiled_on_views
+def needed_column(frames: Array, slot: int, anchors: Array, within: float) -> int:
     """Column of the clearances that hold: 1, near, where the die tip is `within` [m] of an anchor, else 0."""
+    row = 6 * slot + 2
     for p in range(len(anchors)):
-        x = frames[2, POSE_T] - anchors[p, 0]
-        y = frames[2, POSE_T + 1] - anchors[p, 1]
-        z = frames[2, POSE_T + 2] - anchors[p, 2]
+        x = frames[row, POSE_T] - anchors[p, 0]
+        y = frames[row, POSE_T + 1] - anchors[p, 1]
+        z = frames[row, POSE_T + 2] - anchors[p, 2]
         if math.sqrt(x * x + y * y + z * z) <= within:
             return 1
     return 0
 
 
-@compiled
-def near_pairs(
-    cell: Any, work: Any, anchors: Array, needed: Array, half: float, row: int, n: int, first_only: bool
+@compiled_on_views
+def _not_proved(
+    cell: Any,
+    work: Any,
+    needed: Array,
+    half: float,
+    row: int,
+    n: int,
+    low: int,
+    high: int,
+    column: int,
+    middle: int,
+    last: int,
+    column_there: int,
+    only: bool,
+    most: int,
+    n_meant: int,
 ) -> int:
-    """How many of the first `n` pairs waiting in `row` the placed configuration does not certify.
-
-    half: the part of the edge to certify to either side of it, in [0, 1]; 0 asks about the pose only.
-    needed, first_only: as in `keep_near`, which moves the pairs that are left to the front of the row.
-    """
-    motion, frames = work.motion, work.frames
-    within = cell.machine[NEAR_RADIUS] - half * motion[cell.tip_pair]
+    """How many of the first `n` items of `row` are not proved between two slots; see `keep_near`."""
     return keep_near(
         cell.boxes,
         cell.nodes,
@@ -73,63 +84,112 @@ def near_pairs(
         cell.profiles,
         cell.pairs,
         needed,
-        cell.always,
         half,
-        motion,
-        frames,
-        work.panel_poses,
-        work.own_poses,
+        work.bend,
+        work.frames,
+        work.poses,
         work.placed,
-        work.now[0],
-        work.hints,
-        work.V,
-        work.T,
+        work.swept,
         work.S,
         work.stack,
+        work.found,
         work.waiting,
         row,
         n,
-        needed_column(frames, anchors, within),
-        first_only,
+        low,
+        high,
+        column,
+        middle,
+        last,
+        column_there,
+        only,
+        most,
+        cell.tip_pair,
+        work.meant[1:],
+        n_meant,
     )
 
 
-@compiled
-def certified_part(
-    cell: Any, work: Any, anchors: Array, needed: Array, a: Array, b: Array, whole: bool
-) -> float:
-    """How much of the edge from `a` to `b` is certified, in [0, 1]; see `robots.certified_edge.certified_to`.
+@compiled_on_views
+def _put_items(cell: Any, work: Any, needed: Array, pairs: int, tip: bool) -> int:
+    """Let the first `pairs` pairs wait in row 0, without the tip's where not `tip`; how many these are.
 
-    needed: clearances (K, 2) [m]. whole: only all of the edge is of use.
+    Left out are machine solids that keep their clearance wherever W and C stand.
     """
-    motion, spans, waiting, counts = work.motion, work.spans, work.waiting, work.counts
-    motion_of_pairs(cell.machine, cell.solids, cell.pairs, a, b, motion)
-    spans[0, 0], spans[0, 1], counts[0] = 0.0, 1.0, len(motion)
-    for k in range(len(motion)):
-        waiting[0, k] = k
-    certified, top = 0.0, 0
+    n, waiting, always, whole_panel = 0, work.waiting, cell.always, number(ALL)
+    for k in range(pairs):
+        if max(needed[k, 0], needed[k, 1]) <= always[k] or (k == cell.tip_pair and not tip):
+            continue
+        waiting[0, n] = item(k, whole_panel)
+        n += 1
+    return n
+
+
+@compiled_on_views
+def certified_part(
+    cell: Any, work: Any, anchors: Array, needed: Array, a: Array, b: Array, whole: bool, n_meant: int
+) -> float:
+    """How much of the edge from `a` to `b` is certified, in [0, 1]; see `robots.certified_edge`.
+
+    needed: clearances (K, 2) [m]. whole: only all of the edge is of use. n_meant: number of the pieces in
+    `work.meant` that the die tip may touch. A part is proved as `swept` tells.
+    """
+    motion, spans, waiting, counts, slots = work.motion, work.spans, work.waiting, work.counts, work.slots
+    motion_of_pairs(cell.machine, cell.solids, cell.pairs, a, b, motion, work.bend)
+    spans[0, 0], spans[0, 1] = 0.0, 1.0
+    counts[0] = _put_items(cell, work, needed, cell.open_pairs, flag(True))
+    most = number(MOST)
+    begin, certified, top = number(0), 0.0, number(0)  # the slot of what is certified; the part asked about
+    for level in range(LEVELS + 1):
+        slots[level] = level + 1
+    place(cell, work, a, b, 0.0, begin)
+    place(cell, work, a, b, 1.0, slots[0])
     while top >= 0:
-        low, high = spans[top, 0], spans[top, 1]
+        low, high, end, between = spans[top, 0], spans[top, 1], slots[top], slots[top + 1]
         half = (high - low) / 2.0
         middle = low + half
-        place(cell, work, a, b, middle)
-        n = near_pairs(cell, work, anchors, needed, half, top, counts[top], False)
+        place(cell, work, a, b, middle, between)
+        within = cell.machine[NEAR_RADIUS] - half * motion[cell.tip_pair]
+        column = needed_column(work.frames, between, anchors, within)
+        # A step into an obstacle mostly fails at its end: ask there, too, before halving.
+        last = end if whole and high == 1.0 else number(NOWHERE)
+        there = needed_column(work.frames, between, anchors, cell.machine[NEAR_RADIUS])
+        if last >= 0:
+            there = max(there, needed_column(work.frames, last, anchors, cell.machine[NEAR_RADIUS]))
+        n = _not_proved(
+            cell,
+            work,
+            needed,
+            half,
+            top,
+            counts[top],
+            begin,
+            end,
+            column,
+            between,
+            last,
+            there,
+            whole,
+            most,
+            n_meant,
+        )
+        blocked = n < 0
+        if whole and blocked:
+            return certified
+        n = -1 - n if blocked else n
         if n == 0:
             certified = high
+            slots[top], begin = begin, end
             top -= 1
             continue
-        if _largest(motion, waiting, top, n) * half < RESOLUTION or top + 1 == LEVELS:
-            return certified
-        blocked = near_pairs(cell, work, anchors, needed, 0.0, top, n, True) > 0
-        if whole and not blocked and high == 1.0:
-            place(cell, work, a, b, 1.0)  # a step into an obstacle mostly fails at its end: ask there first
-            blocked = near_pairs(cell, work, anchors, needed, 0.0, top, n, True) > 0
-        if whole and blocked:
+        if _largest(motion, waiting, top + 1, n) * half < RESOLUTION or top + 1 == LEVELS:
             return certified
         # What lies beyond a blocked middle is of no use, what lies before it still is.
         first = 0 if blocked else top + 1
         for j in range(n):
-            waiting[first, j] = waiting[top, j]
+            waiting[top, j] = waiting[top + 1, j]
+            waiting[first, j] = waiting[top + 1, j]
+        slots[top + 1], slots[first] = slots[first], between
         counts[top], counts[first] = n, n
         spans[top, 0], spans[top, 1] = middle, high
         spans[first, 0], spans[first, 1] = low, middle
@@ -137,15 +197,15 @@ def certified_part(
     return certified
 
 
-@compiled
+@compiled_on_views
 def _largest(motion: Array, waiting: Ints, row: int, n: int) -> float:
     largest = 0.0
     for j in range(n):
-        largest = max(largest, motion[waiting[row, j]])
+        largest = max(largest, motion[pair_of(waiting[row, j])])
     return largest
 
 
-@compiled
+@compiled_on_views
 def _within_limits(machine: Array, path: Array, rows: int) -> bool:
     """Whether the first `rows` configurations of the path are within limits; what is no number is not."""
     for row in range(rows):
@@ -156,16 +216,96 @@ def _within_limits(machine: Array, path: Array, rows: int) -> bool:
     return True
 
 
-@compiled
+@compiled_on_views
+def _is_free(cell: Any, work: Any, anchors: Array, needed: Array, q: Array, pairs: int, tip: bool) -> bool:
+    """Whether the first `pairs` pairs keep their clearance at `q`; `tip`: the tip, too."""
+    slot, row, no_piece, bend, only, most = number(0), number(0), number(0), work.bend, flag(True), number(1)
+    for k in range(pairs):
+        bend[k] = 0.0
+    place(cell, work, q, q, 0.0, slot)
+    column = needed_column(work.frames, slot, anchors, cell.machine[NEAR_RADIUS])
+    n = _put_items(cell, work, needed, pairs, tip)
+    nowhere = number(NOWHERE)
+    found = _not_proved(
+        cell,
+        work,
+        needed,
+        0.0,
+        row,
+        n,
+        slot,
+        slot,
+        column,
+        slot,
+        nowhere,
+        column,
+        only,
+        most,
+        no_piece,
+    )
+    return found == 0
+
+
+@compiled_on_views
 def _pose_is_free(cell: Any, work: Any, anchors: Array, needed: Array, q: Array) -> bool:
-    place(cell, work, q, q, 0.0)
-    for k in range(len(needed)):
-        work.waiting[0, k] = k
-        work.motion[k] = 0.0
-    return near_pairs(cell, work, anchors, needed, 0.0, 0, len(needed), True) == 0
+    return _is_free(cell, work, anchors, needed, q, cell.open_pairs, flag(True))
 
 
-@compiled
+@compiled_on_views
+def _tip_is_inside(cell: Any, work: Any, n_meant: int) -> bool:
+    """Whether the middle of the tip, as placed in slot 0, is inside a piece that it may touch."""
+    s, poses, base = cell.pairs[cell.tip_pair, 0], work.poses, number(0)
+    place_solid(cell.solids, cell.kinds, s, work.frames, base, poses, s)
+    x, y, z = poses[s, BOX_CENTER], poses[s, BOX_CENTER + 1], poses[s, BOX_CENTER + 2]
+    for i in range(n_meant):
+        inside = True
+        for face in range(6):
+            row, at = cell.pieces[work.meant[1 + i]], NORMALS + 3 * face
+            if row[at] * x + row[at + 1] * y + row[at + 2] * z > row[OFFSETS + face]:
+                inside = False
+        if inside:
+            return True
+    return False
+
+
+@compiled_on_views
+def _process_is_free(
+    cell: Any, work: Any, anchors: Array, near: Array, opened: Array, clamped: Array, n_meant: int
+) -> bool:
+    """Whether the W move and the foot's closing are proved, as in `robots.coal_stations`.
+
+    near: the clearances near a fastener, in both columns.
+    """
+    if not _is_free(cell, work, anchors, near, clamped, len(near), flag(False)):
+        return False
+    if _tip_is_inside(cell, work, n_meant):
+        return False
+    whole = flag(True)
+    return certified_part(cell, work, anchors, near, opened, clamped, whole, n_meant) == 1.0
+
+
+@compiled_on_views
+def _first_free(cell: Any, work: Any, anchors: Array, path: Array, n_meant: int) -> int:
+    """The first pair of rows, an open and a clamped pose, with room in transit and a proved move between.
+
+    Else the first with a proved move, else -1.
+    """
+    near = work.asked
+    for k in range(len(near)):
+        near[k, 0] = near[k, 1] = cell.needs[k, 1]
+    for roomy in (True, False):
+        for i in range(len(path) // 2):
+            opened, clamped = path[2 * i], path[2 * i + 1]
+            if (
+                _within_limits(cell.machine, path[2 * i : 2 * i + 2], number(2))
+                and _pose_is_free(cell, work, anchors, cell.needs, opened) == roomy
+                and _process_is_free(cell, work, anchors, near, opened, clamped, n_meant)
+            ):
+                return i
+    return -1
+
+
+@compiled_on_views
 def _cut_at_limits(machine: Array, a: Array, b: Array) -> None:
     """Move `b` back on the segment from `a`, which is within limits, to where the segment leaves them."""
     share = 1.0
@@ -178,13 +318,13 @@ def _cut_at_limits(machine: Array, a: Array, b: Array) -> None:
         _move_back(a, b, share)
 
 
-@compiled
+@compiled_on_views
 def _move_back(a: Array, b: Array, share: float) -> None:
     for i in range(7):
         b[i] = a[i] + share * (b[i] - a[i]) if share > 0.0 else a[i]
 
 
-@compiled
+@compiled_on_views
 def ask(
     numbers: Array,
     indices: Ints,
@@ -199,22 +339,33 @@ def ask(
 
     POSE: 1.0 where the first is free, else 0.0. PATH: 1.0 where all edges are certified, else 0.0. ADVANCE:
     the certified part of the edge from the first to the second, which is overwritten by what was reached.
-    clearance: asked of every pair [m], or POLICY.
+    STATION: rows are open and clamped pose in turn; the index of the first two with a proved process move
+    between them, of those with room in transit if there are any, or -1.0; `work.meant` is input, anchors do
+    not matter. clearance: asked of every pair [m], or POLICY; not for STATION.
     """
     cell, work = views_of(numbers, indices), work_of(work_numbers, work_indices, indices)
-    anchors, path, rows = unowned(anchors), unowned(path), len(path)
+    rows = len(path)
+    if question == STATION:
+        return float(_first_free(cell, work, anchors[:0], path, work.meant[0]))
     if not _within_limits(cell.machine, path, 1 if question == ADVANCE else rows):
         if question == ADVANCE:
             _move_back(path[0], path[1], 0.0)
         return 0.0
-    needed = cell.needs if clearance < 0.0 else np.full(cell.needs.shape, clearance)
+    needed = cell.needs
+    if clearance >= 0.0:
+        needed = work.asked
+        for k in range(len(needed)):
+            needed[k, 0] = needed[k, 1] = clearance
     if question == POSE:
         return 1.0 if _pose_is_free(cell, work, anchors, needed, path[0]) else 0.0
     if question == ADVANCE:
         _cut_at_limits(cell.machine, path[0], path[1])
+        if not _within_limits(cell.machine, path, rows):  # what is no number
+            _move_back(path[0], path[1], 0.0)
+            return 0.0
     part = 1.0
     for i in range(rows - 1):
-        part = certified_part(cell, work, anchors, needed, path[i], path[i + 1], question == PATH)
+        part = certified_part(cell, work, anchors, needed, path[i], path[i + 1], question == PATH, number(0))
         if part < 1.0:
             break
     if question == ADVANCE and part < 1.0:

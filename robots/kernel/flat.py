@@ -8,8 +8,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from planners.arrays import Array, frozen
+from planners.arrays import Array
 from robots import hexahedra
+from robots.assembly import Pair
 from robots.chain import rigid_inverse
 from robots.kernel.layout import (
     BOX,
@@ -26,7 +27,6 @@ from robots.kernel.layout import (
 from robots.kernel.tree import Tree, build
 from robots.machine import Machine
 from robots.panel import Panel
-from robots.scene import Pair
 from robots.solids import Box, Cylinder, Prism, Solid, bounding_sphere, reach_about_axis
 
 _AXES = ("X", "Y", "Z", "A", "B", "W", "C")
@@ -38,7 +38,10 @@ _ORIGIN, _TOOL_AXIS = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
 class FlatCell(NamedTuple):
-    """A packed cell: `numbers` and `indices` as in `layout`, read-only."""
+    """A packed cell: `numbers` and `indices` as in `layout`.
+
+    Nobody writes to them; numpy may not say so, for read-only arrays are a type of their own to compile for.
+    """
 
     numbers: Array
     indices: Ints
@@ -82,13 +85,16 @@ def pack(
     pairs: Sequence[Pair],
     needs: Array,
     *,
+    open_pairs: int,
     tip_pair: int,
     near_radius: float,
 ) -> FlatCell:
     """Pack a cell; raise ValueError where the machine is not a riveter.
 
-    solids, pairs: as in `scene.Scene`. needs: clearances (K, 2) [m], in transit and near a fastener.
-    tip_pair: index of the pair whose motion bounds that of the die tip. near_radius: of the near zone [m].
+    solids, pairs: those with the foot open, then what is added by the clamped one. needs: clearances (K, 2)
+    [m], in transit and near a fastener. open_pairs: how many of the pairs, the first, count with the foot
+    open. tip_pair: index of the pair whose motion bounds that of the die tip. near_radius: of the near zone
+    [m].
     """
     _check(machine)
     pieces, tree = flat_panel(panel)
@@ -100,7 +106,7 @@ def pack(
     header = np.zeros(HEADER, dtype=np.int64)
     header[:] = (
         len(tree.nodes), len(pieces), len(rows), len(corners), len(met),
-        sum(p.with_panel for p in pairs), tip_pair, tree.depth,
+        open_pairs, tip_pair, tree.depth,
     )  # fmt: skip
     floats = [
         _machine_row(machine, panel, near_radius),
@@ -112,9 +118,8 @@ def pack(
         _always_apart(machine, solids, np.array(met)),
     ]
     whole = [header, tree.nodes, np.array(solid_kinds(solids)), np.array(met)]
-    numbers = frozen(np.concatenate([np.ravel(part) for part in floats]))
+    numbers = np.concatenate([np.ravel(part) for part in floats])
     indices = np.concatenate([np.ravel(part) for part in whole]).astype(np.int64)
-    indices.setflags(write=False)
     return FlatCell(numbers, indices)
 
 

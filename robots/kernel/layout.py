@@ -11,7 +11,7 @@ Ints is the type of index arrays. A point is three numbers. Rows:
     always (K,)          gap two machine solids keep at every W and C within limits; less than 0: not known
     nodes (N, 2)         children of each tree node; a leaf is (-1, piece)
     kinds (S, 4)         shape, link, first corner, number of corners
-    pairs (K, 2)         solid, other solid or -1 for the panel; panel pairs first
+    pairs (K, 2)         solid, other solid or -1 for the panel; those of the clamped foot come last
     poses (S, POSE)      rotation, translation, centre and half size of the box around the solid
 """
 
@@ -46,7 +46,9 @@ SHAPE_R, SHAPE_T, OWN_CENTER, OWN_HALF, RADIUS, HALF_LENGTH, BALL, BALL_RADIUS, 
 NORMALS, OFFSETS, PIECES = 24, 42, 48
 # poses
 POSE_T, BOX_CENTER, BOX_HALF, POSE = 9, 12, 15, 18
+# swept: a row of poses and a box in the solid's axes
+SWEPT_CENTER, SWEPT_HALF, SWEPT = 18, 21, 24
 # axes of a configuration
 X, Y, Z, A, B, W, C = range(7)
 # header of the index array: numbers of rows, and what else is whole
-N_NODES, N_PIECES, N_SOLIDS, N_CORNERS, N_PAIRS, N_PANEL_PAIRS, TIP_PAIR, DEPTH, HEADER = range(9)
+N_NODES, N_PIECES, N_SOLIDS, N_CORNERS, N_PAIRS, N_OPEN_PAIRS, TIP_PAIR, DEPTH, HEADER = range(9)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from planners.arrays import Array
-from planners.compiled import compiled
+from planners.compiled import compiled_on_views
 from robots.kernel.layout import (
     BOX_CENTER,
     BOX_HALF,
@@ -43,11 +43,11 @@ from robots.kernel.layout import (
 )
 
 
-@compiled
-def place_links(machine: Array, q: Array, frames: Array) -> None:
-    """Write the frames of links X, W and C into `frames`: rows 0..2 in the panel frame, 3..5 in link X.
+@compiled_on_views
+def place_links(machine: Array, q: Array, frames: Array, first: int) -> None:
+    """Write the frames of links X, W and C into rows of `frames`: three in the panel frame, three in link X.
 
-    A row: rotation by rows, then translation.
+    first: the first of the six rows. A row: rotation by rows, then translation.
     """
     sa, ca, sb, cb = math.sin(q[A]), math.cos(q[A]), math.sin(q[B]), math.cos(q[B])
     sc, cc = math.sin(q[C]), math.cos(q[C])
@@ -57,13 +57,13 @@ def place_links(machine: Array, q: Array, frames: Array) -> None:
         # row i of R_panel_gantry . Ry(-B) . Rx(-A)
         r0, side, r2 = g0 * cb + g2 * sb, g1, g2 * cb - g0 * sb
         r1, r2 = side * ca - r2 * sa, side * sa + r2 * ca
-        frames[0, 3 * i], frames[0, 3 * i + 1], frames[0, 3 * i + 2] = r0, r1, r2
-        frames[0, POSE_T + i] = r0 * x + r1 * y + r2 * z + machine[T_PANEL + i]
+        frames[first, 3 * i], frames[first, 3 * i + 1], frames[first, 3 * i + 2] = r0, r1, r2
+        frames[first, POSE_T + i] = r0 * x + r1 * y + r2 * z + machine[T_PANEL + i]
     for i in range(12):
-        frames[3, i] = 0.0
-    frames[3, 0] = frames[3, 4] = frames[3, 8] = 1.0
+        frames[first + 3, i] = 0.0
+    frames[first + 3, 0] = frames[first + 3, 4] = frames[first + 3, 8] = 1.0
     rise = machine[W_HEIGHT] + q[W]
-    for base in (0, 3):
+    for base in (first, first + 3):
         for i in range(3):
             r0, r1, r2 = frames[base, 3 * i], frames[base, 3 * i + 1], frames[base, 3 * i + 2]
             for k in (LINK_W, LINK_C):
@@ -75,9 +75,11 @@ def place_links(machine: Array, q: Array, frames: Array) -> None:
             frames[base + LINK_C, 3 * i + 1] = r1 * cc - r0 * sc
 
 
-@compiled
+@compiled_on_views
 def place_solid(solids: Array, kinds: Ints, s: int, frames: Array, base: int, poses: Array, row: int) -> None:
-    """Write pose and bounding box of solid `s` into that row of `poses`; `base` 0: panel frame, 3: link X."""
+    """Write pose and bounding box of solid `s` into that row of `poses`; base: first row of the links'
+    frames to place it by.
+    """
     link = base + kinds[s, 1]
     for i in range(3):
         f0, f1, f2 = frames[link, 3 * i], frames[link, 3 * i + 1], frames[link, 3 * i + 2]
@@ -96,7 +98,7 @@ def place_solid(solids: Array, kinds: Ints, s: int, frames: Array, base: int, po
     bound(solids, kinds, s, poses, row)
 
 
-@compiled
+@compiled_on_views
 def bound(solids: Array, kinds: Ints, s: int, poses: Array, row: int) -> None:
     """Write centre and half size of an axis-parallel box around solid `s`, placed by that row of `poses`."""
     for i in range(3):

@@ -8,24 +8,26 @@ Regions after Ericson 2005, Real-Time Collision Detection, 5.1.
 from __future__ import annotations
 
 from planners.arrays import Array
-from planners.compiled import compiled
+from planners.compiled import compiled_on_views
+from robots.kernel.plain import number
 
 Closest = tuple[int, float, float, float]
 
 
-@compiled
+@compiled_on_views
 def closest_of(S: Array, n: int) -> Closest:
     """Closest point of the simplex of the first `n` corners; of four, (4, 0, 0, 0) if the origin is in it."""
     if n == 1:
         return 1, S[0, 0], S[0, 1], S[0, 2]
+    first = number(0)
     if n == 2:
-        return _of_segment(S, 0, 1)
+        return _of_segment(S, first, first + 1)
     if n == 3:
-        return _of_triangle(S, 0, 1, 2)
+        return _of_triangle(S, first, first + 1, first + 2)
     return _of_tetrahedron(S)
 
 
-@compiled
+@compiled_on_views
 def _keep(S: Array, first: int, second: int, third: int, n: int) -> None:
     """Move the named corners to the front; `n` of them are meant."""
     x0, y0, z0 = S[first, 0], S[first, 1], S[first, 2]
@@ -38,7 +40,7 @@ def _keep(S: Array, first: int, second: int, third: int, n: int) -> None:
         S[2, 0], S[2, 1], S[2, 2] = x2, y2, z2
 
 
-@compiled
+@compiled_on_views
 def _of_segment(S: Array, i: int, j: int) -> Closest:
     ax, ay, az = S[i, 0], S[i, 1], S[i, 2]
     ux, uy, uz = S[j, 0] - ax, S[j, 1] - ay, S[j, 2] - az
@@ -54,7 +56,7 @@ def _of_segment(S: Array, i: int, j: int) -> Closest:
     return 2, ax + t * ux, ay + t * uy, az + t * uz
 
 
-@compiled
+@compiled_on_views
 def _of_triangle(S: Array, i: int, j: int, k: int) -> Closest:
     ax, ay, az = S[i, 0], S[i, 1], S[i, 2]
     bx, by, bz = S[j, 0], S[j, 1], S[j, 2]
@@ -86,7 +88,7 @@ def _of_triangle(S: Array, i: int, j: int, k: int) -> Closest:
     return 3, height * nx, height * ny, height * nz
 
 
-@compiled
+@compiled_on_views
 def _beyond(S: Array, i: int, j: int, k: int, other: int) -> bool:
     """Whether the origin is not strictly on the same side of the plane i j k as corner `other`."""
     ax, ay, az = S[i, 0], S[i, 1], S[i, 2]
@@ -98,18 +100,18 @@ def _beyond(S: Array, i: int, j: int, k: int, other: int) -> bool:
     return not origin * corner > 0.0
 
 
-@compiled
+@compiled_on_views
 def _copy(S: Array, source: int, target: int) -> None:
     for c in range(3):
         S[target, c] = S[source, c]
 
 
-@compiled
+@compiled_on_views
 def _of_tetrahedron(S: Array) -> Closest:
     """Best of the faces the origin may see; rows 4 to 7 keep the corners, rows 8 to 10 the best face."""
     for row in range(4):
         _copy(S, row, 4 + row)
-    best, n, x, y, z = -1.0, 4, 0.0, 0.0, 0.0
+    best, n, x, y, z, first = -1.0, 4, 0.0, 0.0, 0.0, number(0)
     for face in range(4):
         i, j, k = 4 + (face + 1) % 4, 4 + (face + 2) % 4, 4 + (face + 3) % 4
         if not _beyond(S, i, j, k, 4 + face):
@@ -117,7 +119,7 @@ def _of_tetrahedron(S: Array) -> Closest:
         _copy(S, i, 0)
         _copy(S, j, 1)
         _copy(S, k, 2)
-        m, px, py, pz = _of_triangle(S, 0, 1, 2)
+        m, px, py, pz = _of_triangle(S, first, first + 1, first + 2)
         square = px * px + py * py + pz * pz
         if best < 0.0 or square < best:
             best, n, x, y, z = square, m, px, py, pz

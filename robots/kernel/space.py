@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planners.arrays import Array
+from planners.native import NativeSpace
+from robots.kernel.callable import Handle
 from robots.kernel.edge import ADVANCE, PATH, POLICY, POSE, ask
 from robots.kernel.flat import FlatCell, pack
 from robots.kernel.work import new_blocks
@@ -20,16 +23,20 @@ _CLEARANCE_STEP = 0.0001
 
 
 def flat_cell(cell: Cell, margin: float) -> FlatCell:
-    """The packed form of a cell with the foot open; made once per cell.
+    """The packed form of a cell; made once per cell.
 
     margin: what the near zone is made smaller by [m] (`cell.CERTIFICATE_MARGIN`).
     """
+    foot = cell.machine.foot["clamped"]
+    added = [k for k, pair in enumerate(cell.clamped.pairs) if foot.name in (pair.solid, pair.other)]
+    near = [*cell.near, *(cell.near_clamped[k] for k in added)]
     return pack(
         cell.machine,
         cell.panel,
-        cell.scene.solids,
-        cell.scene.pairs,
-        np.column_stack([cell.transit, cell.near]),
+        (*cell.open.solids, foot),
+        [*cell.open.pairs, *(cell.clamped.pairs[k] for k in added)],
+        np.column_stack([[*cell.transit, *near[len(cell.transit) :]], near]),
+        open_pairs=len(cell.open.pairs),
         tip_pair=cell.tip_pair,
         near_radius=cell.machine.policy.near_radius - margin,
     )
@@ -50,6 +57,15 @@ class KernelSpace:
         self._edge = np.empty((2, len(lower)))  # what is asked about, in the one type that is compiled for
         self.lower, self.upper = lower, upper
         self.edges = 0
+
+    @cached_property
+    def _handle(self) -> Handle:
+        return Handle(self._numbers, self._indices, *self._work, self._anchors)
+
+    @property
+    def native(self) -> NativeSpace:
+        """What compiled searches ask; valid while this Space lives."""
+        return self._handle.native
 
     def is_free(self, q: Array) -> bool:
         """Whether `q` (7,) is within limits and keeps its clearances."""

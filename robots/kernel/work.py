@@ -1,9 +1,9 @@
 """The arrays of one call: the cell's numbers unpacked, and the work space.
 
 A cell is handed over as two arrays, because every array costs a call some tenths of a microsecond; the work
-space is two more, made once for many calls and never remembered from one to the next. The arrays are unpacked
-without owner: numba counts references whenever an array is passed on, and for dozens of arrays and hundreds
-of tree nodes that costs more than the geometry. The caller of `ask` holds the owners while it runs.
+space is two more, made once for many calls and never remembered from one to the next. Nothing here counts
+references (`compiled_on_views`): for dozens of arrays and hundreds of tree nodes that costs more than the
+geometry. The caller of `ask` holds the owners while it runs, and no counted function may take the views.
 """
 
 from __future__ import annotations
@@ -11,32 +11,37 @@ from __future__ import annotations
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numba import types
-from numba.extending import intrinsic
-from numba.np.numpy_support import carray
 
 from planners.arrays import Array
-from planners.compiled import compiled
+from planners.compiled import compiled_on_views
 from robots.kernel.layout import (
     DEPTH,
     HEADER,
     MACHINE,
     N_CORNERS,
     N_NODES,
+    N_OPEN_PAIRS,
     N_PAIRS,
     N_PIECES,
     N_SOLIDS,
     PIECES,
     POSE,
     SOLIDS,
+    SWEPT,
     TIP_PAIR,
     Ints,
 )
 
 Numbers = TypeVar("Numbers", Array, Ints)
 
-LEVELS = 64
-"""Pieces of an edge that may wait: 20 m are halved 20 times before a piece is too short to matter."""
+LEVELS = 24
+"""Parts of an edge that may wait: 20 m are halved 20 times before a part is too short to matter."""
+
+SLOTS = LEVELS + 2
+"""Configurations placed at a time: the ends of all parts that wait, and one more."""
+
+MOST = 8
+"""Pieces near a solid from which on they are not remembered one by one."""
 
 
 class Views(NamedTuple):
@@ -53,59 +58,43 @@ class Views(NamedTuple):
     kinds: Ints
     pairs: Ints
     tip_pair: int
+    open_pairs: int
 
 
 class Work(NamedTuple):
     """Work space of one call.
 
-    q (7,): configuration being asked about. frames, panel_poses, own_poses: see `poses`. motion (K,): bound
-    of each pair. spans (LEVELS, 2), waiting (LEVELS, K), counts (LEVELS,): pieces of the edge that wait,
-    each with its pairs. hints (K,): the piece that was too near last. placed (2, S): number of the placement
-    each solid was last placed at, in both frames; now (1,): number of the present one. V, T, S, stack: of
-    `within`.
+    q (7,): configuration being placed. frames (6 SLOTS, 12), poses (2 S SLOTS, POSE): see `poses`; of every
+    placed configuration ("slot") the panel's frame first, then that of link X. placed (2 S SLOTS,): 1 where
+    that row of poses is written. asked (K, 2): clearances
+    other than the cell's. motion, bend (K,): see `motion`. spans (LEVELS, 2), counts (LEVELS,), slots
+    (LEVELS + 1,): parts of the edge that wait, with the number of their items and the slot of their end.
+    waiting (LEVELS + 1, K MOST): the items, see `pairs`. swept, S, stack, found: of `swept` and `within`.
+    meant (1 + H,): number of the pieces that the die tip may touch, and the pieces; input of the question
+    STATION, the only thing in the work space that is read before it is written.
     """
 
     q: Array
     frames: Array
-    panel_poses: Array
-    own_poses: Array
+    poses: Array
+    asked: Array
     motion: Array
+    bend: Array
     spans: Array
-    V: Array
-    T: Array
+    swept: Array
     S: Array
+    meant: Ints
     waiting: Ints
     counts: Ints
-    hints: Ints
+    slots: Ints
     placed: Ints
-    now: Ints
+    found: Ints
     stack: Ints
 
 
-def _to_pointer(_: Any, address: Any, array: Any) -> Any:
-    """The address as a pointer to values of the array's type; the array itself is not used."""
-    pointer: Any = types.CPointer
-
-    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
-
-    return pointer(array.dtype)(address, array), code
-
-
-_pointer: Any = intrinsic(_to_pointer)
-
-
-@compiled
-def unowned(array: Numbers) -> Numbers:
-    """The same array without reference count; the caller of the compiled code keeps the data alive."""
-    view: Numbers = carray(_pointer(array.ctypes.data, array), array.shape)
-    return view
-
-
-@compiled
+@compiled_on_views
 def views_of(numbers: Array, indices: Ints) -> Any:
     """Unpack what `flat.pack` has packed."""
-    numbers, indices = unowned(numbers), unowned(indices)
     N, H, S = indices[N_NODES], indices[N_PIECES], indices[N_SOLIDS]
     P, K = indices[N_CORNERS], indices[N_PAIRS]
     boxes = MACHINE
@@ -128,46 +117,51 @@ def views_of(numbers: Array, indices: Ints) -> Any:
         indices[kinds:pairs].reshape(S, 4),
         indices[pairs : pairs + 2 * K].reshape(K, 2),
         indices[TIP_PAIR],
+        indices[N_OPEN_PAIRS],
     )
 
 
 def new_blocks(indices: Ints) -> tuple[Array, Ints]:
     """The two blocks of work space for a packed cell; one call at a time may use them."""
-    S, K, depth = int(indices[N_SOLIDS]), int(indices[N_PAIRS]), int(indices[DEPTH])
-    numbers = np.empty(7 + 72 + 2 * S * POSE + K + 2 * LEVELS + 24 + 12 + 33)
-    return numbers, np.empty(LEVELS * K + LEVELS + K + 2 * S + 1 + depth + 2, dtype=np.int64)
+    H, S, K, depth = indices[[N_PIECES, N_SOLIDS, N_PAIRS, DEPTH]].tolist()
+    numbers = 7 + SLOTS * (6 * 12 + 2 * S * POSE) + 4 * K + 2 * LEVELS + SWEPT + 33
+    whole = 1 + H + (LEVELS + 1) * (K * MOST + 2) + 2 * S * SLOTS + MOST + 1 + depth + 2
+    return np.empty(numbers), np.empty(whole, dtype=np.int64)
 
 
-@compiled
+@compiled_on_views
 def work_of(numbers: Array, whole: Ints, indices: Ints) -> Any:
-    """Unpack the blocks and forget what an earlier call left in them."""
-    numbers, whole = unowned(numbers), unowned(whole)
+    """Unpack the blocks."""
     S, K = indices[N_SOLIDS], indices[N_PAIRS]
-    panel_poses = 79
-    own_poses = panel_poses + S * POSE
-    motion = own_poses + S * POSE
-    spans = motion + K
-    V = spans + 2 * LEVELS
-    counts = LEVELS * K
-    hints = counts + LEVELS
-    placed = hints + K
-    now = placed + 2 * S
-    for i in range(hints, now + 1):
-        whole[i] = -1
+    asked = 7
+    motion = asked + 2 * K
+    bend = motion + K
+    spans = bend + K
+    swept = spans + 2 * LEVELS
+    simplex = swept + SWEPT
+    frames = simplex + 33
+    poses = frames + 72 * SLOTS
+    counts = 1 + indices[N_PIECES]
+    slots = counts + LEVELS
+    found = slots + LEVELS + 1
+    stack = found + MOST + 1
+    placed = stack + indices[DEPTH] + 2
+    waiting = placed + 2 * S * SLOTS
     return Work(
-        numbers[:7],
-        numbers[7:panel_poses].reshape(6, 12),
-        numbers[panel_poses:own_poses].reshape(S, POSE),
-        numbers[own_poses:motion].reshape(S, POSE),
-        numbers[motion:spans],
-        numbers[spans:V].reshape(LEVELS, 2),
-        numbers[V : V + 24].reshape(8, 3),
-        numbers[V + 24 : V + 36].reshape(1, 12),
-        numbers[V + 36 : V + 69].reshape(11, 3),
-        whole[:counts].reshape(LEVELS, K),
-        whole[counts:hints],
-        whole[hints:placed],
-        whole[placed:now].reshape(2, S),
-        whole[now : now + 1],
-        whole[now + 1 :],
+        numbers[:asked],
+        numbers[frames:poses].reshape(6 * SLOTS, 12),
+        numbers[poses : poses + 2 * S * SLOTS * POSE].reshape(2 * S * SLOTS, POSE),
+        numbers[asked:motion].reshape(K, 2),
+        numbers[motion:bend],
+        numbers[bend:spans],
+        numbers[spans:swept].reshape(LEVELS, 2),
+        numbers[swept:simplex],
+        numbers[simplex:frames].reshape(11, 3),
+        whole[:counts],
+        whole[waiting : waiting + (LEVELS + 1) * K * MOST].reshape(LEVELS + 1, K * MOST),
+        whole[counts:slots],
+        whole[slots:found],
+        whole[placed:waiting],
+        whole[found:stack],
+        whole[stack:placed],
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from robots.cell import Checker
 from robots.nc_json import to_json
-from service.commands.reading import Unusable, as_lines, read_inputs
+from service.commands.reading import Unusable, as_lines, read_family, read_inputs
 from service.crew import CrewLost
 from service.files import write_atomically
 from service.programming import program_panel
@@ -24,14 +24,17 @@ def plan(
     seed: int,
     workers: int,
     checker: Checker,
+    escapes_file: Path | None,
     quiet: bool,
 ) -> bool:
     """Plan, verify and write a panel's program; return whether its certificate is clean.
 
-    A program with findings is written too: they are in it, and are needed to see why. Raises Unusable.
+    A program with findings is written too: they are in it, and are needed to see why. Escapes are read where
+    the file is there, and written with those found, not after findings. Raises Unusable.
     """
-    _check_targets(panel_file, target, report_file)
+    _check_targets(panel_file, target, report_file, escapes_file)
     inputs = read_inputs(panel_file, machine, dies)
+    escapes = None if escapes_file is None else read_family(escapes_file, inputs.machine)
     with as_lines(f"{panel_file}#"), progress_bar(quiet=quiet) as progress:
         try:
             programmed = program_panel(
@@ -42,6 +45,7 @@ def plan(
                 workers=workers,
                 progress=progress,
                 checker=checker,
+                escapes=escapes,
             )
         except CrewLost:
             why = "a planning process was ended from outside, perhaps for want of memory"
@@ -50,9 +54,12 @@ def plan(
     write(target, to_json(program))
     if report_file is not None:
         write(report_file, report(program, programmed.statistics).encode())
+    is_clean = program.verification is not None and program.verification.result == "clean"
+    if escapes_file is not None and is_clean:
+        write(escapes_file, programmed.escapes.text)
     if not quiet:
         print_program(f"{program.header.title}: {target}", program)
-    return program.verification is not None and program.verification.result == "clean"
+    return is_clean
 
 
 def write(target: Path, data: bytes) -> None:
@@ -63,10 +70,13 @@ def write(target: Path, data: bytes) -> None:
         raise Unusable([f"{target}: cannot be written: {error.strerror}."]) from None
 
 
-def _check_targets(panel_file: Path, program_file: Path, report_file: Path | None) -> None:
+def _check_targets(
+    panel_file: Path, program_file: Path, report_file: Path | None, escapes_file: Path | None
+) -> None:
     """Find out before minutes of planning whether what is made can be written, and over nothing else."""
     taken = {panel_file.resolve(): "the panel"}
-    for file, what in ((program_file, "the program"), (report_file, "the report")):
+    targets = (program_file, "the program"), (report_file, "the report"), (escapes_file, "the escapes")
+    for file, what in targets:
         if file is None:
             continue
         _check_target(file)

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from robots.errors import InputProblem, InvalidInput
+from robots.escape_file import FamilyEscapes, read_escapes
+from robots.machine import Machine
 from robots.strict_json import read_document
 from service.inputs import Inputs, Places, gather
 
@@ -36,15 +38,25 @@ def read_inputs(panel_file: Path, machine: str, dies: Sequence[str] | None) -> I
 
 
 def read(file: Path) -> bytes:
-    """Return the bytes of a program file. Raises Unusable."""
+    """Return the bytes of a file that rivetplan wrote. Raises Unusable."""
     try:
         with file.open("rb") as opened:
             data = opened.read(_MOST_BYTES + 1)
     except OSError as error:
         raise Unusable([f"{file}: cannot be read: {error.strerror}. Name a readable file."]) from None
     if len(data) > _MOST_BYTES:
-        raise Unusable([f"{file}: has more than {_MOST_BYTES // 10**6} MB. Name a program's file."])
+        raise Unusable(
+            [f"{file}: has more than {_MOST_BYTES // 10**6} MB. Name a file that rivetplan wrote."]
+        )
     return data
+
+
+def read_family(file: Path, machine: Machine) -> FamilyEscapes | None:
+    """Read an escape file; None where there is no such file yet. Raises Unusable."""
+    if not file.exists():
+        return None
+    with as_lines(f"{file}#"):
+        return read_escapes(read(file), machine)
 
 
 @contextmanager

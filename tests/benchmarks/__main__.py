@@ -1,62 +1,213 @@
-"""`make bench`: hard links of the shell in three settings, and what the whole shell costs."""
+"""`make bench` and, with --quick, `make bench-quick`: every table of costs, and out/bench.json."""
 
 from __future__ import annotations
 
-import resource
+import argparse
+import os
+import platform
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 from robots.cell import Cell
 from robots.machine import Machine
 from robots.machine_file import load_machine
-from robots.panel import Panel
 from robots.panel_file import load_panel
-from service.programming import program_panel
-from tests.benchmarks.hard_links import COLUMNS, KINDS, HardLink, hard_links, table
+from tests.benchmarks import comparison, growth, peers, rivals, whole
+from tests.benchmarks.corpus import LinkGroup, corpus, counted, example
+from tests.benchmarks.hard_links import (
+    COLUMNS,
+    KINDS,
+    PAPER_TABLE_1,
+    PAPER_TABLE_2,
+    ROWS,
+    HardLink,
+    hard_links,
+    spread_out,
+    table,
+)
+from tests.benchmarks.statistics import as_json, shown, spread
 
-SHELL = Path("openapi/examples/a320_shell.json")
-PER_KIND = 20
+SHELL = "a320_shell"
 SEED = 7
 DIES = ("straight", "offset35")
+OUT = Path("out/bench.json")
+
+
+@dataclass(frozen=True)
+class Sample:
+    """How much is measured.
+
+    panels: of the comparison. crossed: the panel of the paper's table, with `per_kind` links across members
+    of each kind and die; of these `across` in the comparison. per_program: hard, and as many direct, links
+    of each program. seeds: of every planner but BIT*, which always takes its second: `anytime_seeds`. panel:
+    planned as a whole. members: (stringers, frames) of the panels of one growth curve; fasteners: sizes of
+    the other.
+    """
+
+    panels: tuple[str, ...]
+    crossed: str
+    per_kind: int
+    across: int
+    per_program: int
+    seeds: int
+    anytime_seeds: int
+    panel: str
+    members: tuple[tuple[int, int], ...]
+    fasteners: tuple[int, ...]
+
+
+FULL = Sample(
+    panels=(SHELL, "fuselage", "cockpit", "wing", "crossing", "crossing_holes"),
+    crossed=SHELL,
+    per_kind=20,
+    across=10,
+    per_program=20,
+    seeds=5,
+    anytime_seeds=3,
+    panel=SHELL,
+    members=((1, 0), (2, 0), (3, 1), (5, 1), (7, 3), (9, 5), (13, 9), (13, 15)),
+    fasteners=(100, 300, 1_000, 3_000, 10_000),
+)
+QUICK = Sample(
+    panels=("fuselage", "crossing"),
+    crossed="shell",
+    per_kind=3,
+    across=0,
+    per_program=2,
+    seeds=1,
+    anytime_seeds=1,
+    panel="wing",
+    members=((1, 0), (3, 1), (7, 3)),
+    fasteners=(100, 300),
+)
 
 
 def main() -> None:
-    """Print both tables."""
-    panel, machine = load_panel(SHELL), load_machine("riveter")
-    hard_link_tables(panel, machine)
-    whole_shell(panel, machine)
+    """Print all tables and write them as JSON."""
+    parser = argparse.ArgumentParser(prog="make bench")
+    parser.add_argument("--quick", action="store_true", help="the same tables on a small sample")
+    sample = QUICK if parser.parse_args().quick else FULL
+    begin, machine = time.perf_counter(), load_machine("riveter")
+    made: dict[str, object] = {"sample": sample, "seed": SEED, "host": _host()}
+    made["whole"] = _whole_panels(sample, machine)
+    crossings = _crossings(sample, machine)
+    made["paper"] = _paper(crossings)
+    made["comparison"] = _comparison(sample, machine, crossings)
+    made["growth"] = _growth(sample, machine)
+    made["seconds"] = time.perf_counter() - begin
+    OUT.parent.mkdir(exist_ok=True)
+    OUT.write_text(as_json(made), encoding="utf-8")
+    print(f"\n{OUT} written; {time.perf_counter() - begin:.0f} s in all")
 
 
-def hard_link_tables(panel: Panel, machine: Machine) -> None:
-    """One table over all links of both dies, then one line per kind of link."""
-    work: list[tuple[Cell, list[HardLink]]] = []
-    for die in DIES:
-        cell = Cell(machine, machine.dies[die], panel)
-        work.append((cell, hard_links(panel, cell, PER_KIND)))
+def _host() -> dict[str, str | int | None]:
+    return {"processor": platform.machine(), "cores": os.cpu_count(), "python": platform.python_version()}
+
+
+def _title(text: str) -> None:
+    print(f"\n== {text}\n", flush=True)
+
+
+def _whole_panels(sample: Sample, machine: Machine) -> dict[str, object]:
+    """Whole panels first: what they need of memory must not hold what the other tables leave behind."""
+    _title("Whole panels")
+    on_disk = whole.command_line(sample.panel, 2, SEED)
+    print(
+        f"rivetplan plan {on_disk.panel}, 2 workers, from JSON to its certified program on disk, start-up "
+        f"included: {shown(on_disk.seconds)} s; largest process {on_disk.peak_mb:.0f} MB"
+    )
+    panel = example(sample.panel)
+    panels = [whole.whole(panel, machine, workers, SEED) for workers in (1, 2)]
+    print(whole.whole_table(panels))
+    again = whole.replanned_seconds(example("crossing"), machine, SEED)
+    print(f"crossing planned again in a warm process, certificate included: {1e3 * again:.0f} ms (median)")
+    return {"command_line": on_disk, "panels": panels, "crossing_again_seconds": again}
+
+
+def _crossings(sample: Sample, machine: Machine) -> dict[str, tuple[Cell, list[HardLink]]]:
+    """Per die a cell around the crossed panel and its links across members."""
+    (small,) = growth.members_shells(((5, 1),))
+    panel = example(SHELL) if sample.crossed == SHELL else load_panel(growth.document(small))
+    cells = {die: Cell(machine, machine.dies[die], panel) for die in DIES}
+    return {die: (cell, hard_links(panel, cell, sample.per_kind)) for die, cell in cells.items()}
+
+
+def _paper(crossings: dict[str, tuple[Cell, list[HardLink]]]) -> dict[str, object]:
+    """The rows of the paper by the 1992 search alone and by all engines, with its own figures beside."""
+    _title("Rows of Graux 1992, Tables 1 and 2")
+    links = [link.kind for _, each in crossings.values() for link in each]
+    kinds = ", ".join(f"{links.count(kind)} across {kind}" for kind in KINDS)
+    print(f"{len(links)} hard links: {kinds}; dies {', '.join(crossings)}; seed {SEED}\n")
     results = {
-        name: [r for cell, links in work for r in column(links, cell, SEED)] for name, column in COLUMNS
+        name: [result for cell, each in crossings.values() for result in column(each, cell, SEED)]
+        for name, column in COLUMNS
     }
-    kinds = [link.kind for _, links in work for link in links]
-    counted = ", ".join(f"{kinds.count(kind)} across {kind}" for kind in KINDS)
-    print(f"{len(kinds)} hard links of {panel.id}: {counted}; dies {', '.join(DIES)}; seed {SEED}\n")
     print(table(results))
+    columns = {
+        name: {row: spread(value(result) for result in column if result.ok) for row, value in ROWS}
+        for name, column in results.items()
+    }
+    solved = {name: sum(result.ok for result in column) for name, column in results.items()}
+    return {
+        "links": len(links),
+        "solved": solved,
+        "columns": columns,
+        "table_1": PAPER_TABLE_1,
+        "table_2": PAPER_TABLE_2,
+    }
 
 
-def whole_shell(panel: Panel, machine: Machine) -> None:
-    """Plan, time and verify the whole shell, here and then with two processes."""
-    print(f"\n{panel.id}: {len(panel.fasteners)} fasteners, {len(panel.pieces()[0])} convex pieces\n")
-    for workers in (1, 2):
-        begin = time.perf_counter()
-        made = program_panel(panel, machine, tuple(machine.dies), seed=SEED, workers=workers)
-        total = time.perf_counter() - begin
-        phases = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in made.statistics.seconds.items())
-        counts, certificate = made.program.summary.counts, made.program.verification
-        result = certificate.result if certificate else "none"
-        print(f"{workers} process(es): {total:.1f} s ({phases})")
-        print(f"    {counts.installed} of {counts.total} installed, certificate {result}")
-    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    children = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-    print(f"peak memory: {own / 1024:.0f} MB here, {children / 1024:.0f} MB in a planning process")
+def _comparison(
+    sample: Sample, machine: Machine, crossings: dict[str, tuple[Cell, list[HardLink]]]
+) -> dict[str, object]:
+    """Ours and OMPL's planners on the same links, with the lines by which ours is judged."""
+    across = {die: spread_out(links, sample.across * len(KINDS)) for die, (_, links) in crossings.items()}
+    groups = corpus(machine, {name: example(name) for name in sample.panels}, sample.per_program, across)
+    costs = peers.binding(machine, groups[0].cell.link_space([]))
+    _settings(groups, sample, costs)
+    mine, others = comparison.our_contenders(sample.seeds), rivals.rivals(sample.seeds, sample.anytime_seeds)
+    quick_ones = [each for each in others if each.name != rivals.BEST_TIME]
+    hard = comparison.runs_over(groups, [*mine, *others], lambda group: group.hard)
+    direct = comparison.runs_over(groups, [*mine, *quick_ones], lambda group: group.direct)
+    made: dict[str, object] = {"settings": rivals.SETTINGS, "binding": costs}
+    for name, runs in (("hard", hard), ("direct", direct)):
+        _title(f"{name.capitalize()} links (times in ms, path times in s)")
+        rows = comparison.rows(runs, costs)
+        against = comparison.ratios(rows, runs)
+        print(comparison.table(rows) + "\n\n" + comparison.ratio_table(against))
+        made[name] = {"rows": rows, "ratios": against, "runs": runs}
+    _title("Bars")
+    made["bars"] = bars = comparison.verdicts(hard, direct, costs, rivals.REGION, rivals.BEST_TIME)
+    print(comparison.verdict_table(bars))
+    peers.close()
+    return made
+
+
+def _settings(groups: list[LinkGroup], sample: Sample, costs: comparison.Binding) -> None:
+    _title("Ours and OMPL on the same links, spaces and clearances")
+    print(f"{counted(groups)}; seeds: {sample.seeds}, of BIT* {sample.anytime_seeds}")
+    for name, value in rivals.SETTINGS.items():
+        print(f"{name}: {value}")
+    print(
+        "less binding: without setting up its spaces, what callbacks do beside asking ours, and "
+        f"{1e6 * costs.call:.2f} us for each call from OMPL into Python and {1e6 * costs.answer:.2f} us for "
+        "each call of compiled code"
+    )
+
+
+def _growth(sample: Sample, machine: Machine) -> list[growth.Curve]:
+    """Both growth curves; a small panel is planned beforehand, so that the first size loads nothing."""
+    growth.grown(growth.members_shells(((1, 0),))[0], machine, SEED)
+    curves = []
+    for what, shells in (
+        ("pieces", growth.members_shells(sample.members)),
+        ("fasteners", growth.longer_shells(sample.fasteners)),
+    ):
+        _title(f"Growth over {what}, one process")
+        curves.append(growth.curve(what, shells, machine, SEED))
+        print(growth.curve_table(curves[-1]), flush=True)
+    return curves
 
 
 if __name__ == "__main__":

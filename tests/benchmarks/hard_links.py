@@ -8,14 +8,16 @@ paper does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from statistics import median, quantiles
+from typing import TypeVar
 
 import numpy as np
 
 from planners import graux
+from planners.arrays import Array
 from planners.detector import never
 from planners.region import growing_regions
 from planners.result import PlanResult
@@ -24,6 +26,8 @@ from robots.links import LinkFinder
 from robots.panel import Panel
 from robots.riveter_search import Heuristics, planner_settings
 from robots.stations import Station, find_station
+
+Link = TypeVar("Link")
 
 KINDS = ("stringer", "frame", "both")
 ROWS: tuple[tuple[str, Callable[[PlanResult], float]], ...] = (
@@ -58,14 +62,15 @@ class HardLink:
 
 def hard_links(panel: Panel, cell: Cell, count: int) -> list[HardLink]:
     """About `count` links per kind, spread over the shell, whose straight motion is blocked."""
-    stations = dict(_stations(panel, cell))
+    stations = [station for _, station in _stations(panel, cell)]
+    places = np.array([station.fastener.p for station in stations]).reshape(-1, 3)
     found: dict[str, list[HardLink]] = {kind: [] for kind in KINDS}
-    for start in stations.values():
-        for kind, goal in _neighbours(start, list(stations.values())):
+    for start in stations:
+        for kind, goal in _neighbours(start, stations, places):
             space = cell.link_space([start.opened, goal.opened])
             if not space.edge_is_free(start.opened, goal.opened):
                 found[kind].append(HardLink(kind, start, goal))
-    return [link for kind in KINDS for link in _spread(found[kind], count)]
+    return [link for kind in KINDS for link in spread_out(found[kind], count)]
 
 
 def _stations(panel: Panel, cell: Cell) -> Iterator[tuple[str, Station]]:
@@ -78,16 +83,16 @@ def _stations(panel: Panel, cell: Cell) -> Iterator[tuple[str, Station]]:
             yield fastener.id, station
 
 
-def _neighbours(start: Station, others: list[Station]) -> Iterator[tuple[str, Station]]:
-    """Goals across a stringer (next row), a frame (along the row) and both, measured over the skin."""
-    for goal in others:
-        along, across = (
-            abs(goal.fastener.p[0] - start.fastener.p[0]),
-            goal.fastener.p[1] - start.fastener.p[1],
-        )
-        kind = _kind(along, across)
+def _neighbours(start: Station, others: list[Station], places: Array) -> Iterator[tuple[str, Station]]:
+    """Goals across a stringer (next row), a frame (along the row) and both, measured over the skin.
+
+    places: fasteners of the others, (N, 3).
+    """
+    away = places - start.fastener.p
+    for i in np.flatnonzero((np.abs(away[:, 0]) < 0.15) & (np.abs(away[:, 1]) < 0.2)).tolist():
+        kind = _kind(abs(away[i, 0]), away[i, 1])
         if kind is not None:
-            yield kind, goal
+            yield kind, others[i]
 
 
 def _kind(along: float, across: float) -> str | None:
@@ -98,8 +103,9 @@ def _kind(along: float, across: float) -> str | None:
     return "both" if 0.13 < across < 0.2 and 0.06 < along < 0.15 else None
 
 
-def _spread(links: list[HardLink], count: int) -> list[HardLink]:
-    return links if len(links) <= count else [links[i * len(links) // count] for i in range(count)]
+def spread_out(links: Sequence[Link], count: int) -> list[Link]:
+    """At most `count` of the links, evenly over the list."""
+    return [links[i * len(links) // count] for i in range(count)] if len(links) > count else list(links)
 
 
 def search_alone(heuristics: Heuristics, links: list[HardLink], cell: Cell, seed: int) -> list[PlanResult]:

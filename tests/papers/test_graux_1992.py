@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from planners import graux
+from planners.detector import Detector
+from planners.path import Path
 from planners.result import PlanCounts, PlanResult, PlanTimes
 from planners.settings import AxisRule, PlannerSettings
-from tests.planners.toy_spaces import BoxSpace, is_certified
+from planners.smoothing import smooth
+from tests.planners.toy_spaces import BoxSpace, is_certified, time_of
 
 VECTORS: list[dict[str, Any]] = json.loads(
     (FilePath(__file__).parent / "vectors" / "graux_1992.json").read_text(encoding="utf-8")
@@ -59,7 +62,15 @@ def test_scene_ends_as_expected_and_keeps_the_invariants(vector: dict[str, Any],
     if result.ok:
         assert np.array_equal(record.goal, scene["qf"])
         assert is_certified(space_of(scene), result.path.configurations)
-        assert result.path.length() <= record.length() + 1e-12
+        detector = Detector(space_of(scene), 5_000)
+        smoothed = Path(smooth(detector, record.configurations))
+        rows = iter(q.tobytes() for q in record.configurations)
+        assert all(q.tobytes() in rows for q in smoothed.configurations)
+        assert is_certified(space_of(scene), smoothed.configurations)
+        assert smoothed.length() <= record.length() + 1e-12
+        assert (
+            time_of(result.path) <= time_of(smoothed) + 1e-12
+        )  # ours: what remains is drawn straight by time
 
 
 @pytest.mark.parametrize("vector", [v for v in SCENES if v["expected"]["free_case_counts"]], ids=by_id)

@@ -36,14 +36,44 @@ def test_escapes_are_stored_relative_to_their_departure() -> None:
     assert stored.backwards().name == "F1"
 
 
-def test_nearest_is_recalled_first_and_of_equals_the_most_recent() -> None:
+NOWHERE, ALONG = np.zeros(2), np.array([2.0, 0.0])
+EQUAL = np.ones(2)
+
+
+def recalled(library: EscapeLibrary, where: list[float], count: int, move: Array = ALONG) -> list[str]:
+    return [found.name for found in library.recall(where, move, EQUAL, count)]
+
+
+def test_what_was_found_in_the_most_similar_place_is_recalled_first_and_of_equals_the_most_recent() -> None:
     library = EscapeLibrary()
     for name, where in (("far", 9.0), ("old", 2.0), ("new", 2.0), ("near", 1.0)):
         library.remember(PATH, [where, 0.0], name)
 
-    assert [found.name for found in library.recall([0.0, 0.0], 3)] == ["near", "new", "old"]
-    assert [found.name for found in library.recall([8.0, 0.0], 1)] == ["far"]
-    assert library.recall([0.0, 0.0], 0) == []
+    assert recalled(library, [0.0, 0.0], 3) == ["near", "new", "old"]
+    assert recalled(library, [8.0, 0.0], 1) == ["far"]
+    assert recalled(library, [0.0, 0.0], 0) == []
+    assert len(recalled(library, [0.0, 0.0], 99)) == 8  # each once as it is, once turned round
+    assert recalled(EscapeLibrary(), [0.0, 0.0], 3) == []
+
+
+def test_of_escapes_from_one_place_the_one_that_leads_where_one_wants_to_go_comes_first() -> None:
+    library = EscapeLibrary()
+    for name, end in (("along", (2.0, 0.0)), ("across", (0.0, 3.0)), ("aslant", (2.0, 3.0))):
+        library.remember(Path(np.array([(0.0, 0.0), (0.0, -2.0), end])), [0.0], name)
+
+    assert recalled(library, [0.0], 1, np.array([0.1, 3.1])) == ["across"]
+    assert recalled(library, [0.0], 1, np.array([1.9, 3.1])) == ["aslant"]
+    weighted = library.recall([0.0], np.array([2.0, 1.4]), np.array([1.0, 0.0]), 2)
+    assert [found.name for found in weighted] == ["aslant", "along"]  # equal without axis 1: latest first
+
+
+def test_an_escape_that_leads_the_other_way_is_recalled_turned_round() -> None:
+    library = EscapeLibrary()
+    library.remember(Path(np.array([(0.0, 0.0), (0.0, -2.0), (3.0, -1.0)])), [0.0], "F1")
+
+    (found,) = library.recall([0.0], np.array([-3.0, 1.0]), EQUAL, 1)
+
+    assert found.offsets.tolist() == [[0, 0], [-3, -1], [-3, 1]]
 
 
 def test_the_oldest_is_forgotten_first_and_running_numbers_go_on() -> None:
@@ -52,7 +82,7 @@ def test_the_oldest_is_forgotten_first_and_running_numbers_go_on() -> None:
         library.remember(PATH, [0.0])
 
     assert len(library) == 2
-    assert [found.name for found in library.recall([0.0], 9)] == ["3", "2"]
+    assert recalled(library, [0.0], 2) == ["3", "2"]
 
 
 def test_a_library_survives_a_process_and_arrays_unchanged_and_frozen() -> None:
@@ -64,14 +94,14 @@ def test_a_library_survives_a_process_and_arrays_unchanged_and_frozen() -> None:
     copies = [pickle.loads(pickle.dumps(library)), EscapeLibrary.from_arrays(library.to_arrays())]
 
     for copy in copies:
-        pairs = zip(library.recall([0.0, 0.0], 9), copy.recall([0.0, 0.0], 9), strict=True)
-        for mine, theirs in pairs:
+        recall = [0.0, 0.0], ALONG, EQUAL, 9
+        for mine, theirs in zip(library.recall(*recall), copy.recall(*recall), strict=True):
             assert mine.name == theirs.name
             assert mine.where.tobytes() == theirs.where.tobytes()
             assert mine.offsets.tobytes() == theirs.offsets.tobytes()
             assert not theirs.offsets.flags.writeable
         assert copy.remember(PATH, [0.0, 0.0]).name == "3"
-    assert EscapeLibrary.from_arrays(EscapeLibrary().to_arrays()).recall([0.0], 9) == []
+    assert recalled(EscapeLibrary.from_arrays(EscapeLibrary().to_arrays()), [0.0], 9) == []
 
 
 def test_importing_into_a_smaller_library_keeps_the_latest() -> None:
@@ -81,7 +111,7 @@ def test_importing_into_a_smaller_library_keeps_the_latest() -> None:
 
     copy = EscapeLibrary.from_arrays(library.to_arrays(), kept=2)
 
-    assert [found.name for found in copy.recall([0.0], 9)] == ["c", "b"]
+    assert recalled(copy, [0.0], 9) == ["c", "b", "c", "b"]  # then turned round
 
 
 def test_wrong_requests_are_errors() -> None:
@@ -89,7 +119,7 @@ def test_wrong_requests_are_errors() -> None:
     library.remember(PATH, [0.0, 0.0])
 
     with pytest.raises(WrongShape):
-        library.recall([0.0], 1)
+        library.recall([0.0], ALONG, EQUAL, 1)
     with pytest.raises(WrongShape):
         library.remember(PATH, [0.0])
     with pytest.raises(WrongShape):
@@ -156,15 +186,26 @@ def test_a_waypoint_beyond_a_stop_is_held_at_the_stop() -> None:
     assert np.allclose(record, [[3.0, 0.0], [3.0, -1.5], [5.0, -1.5], [5.0, 0.0]])
 
 
+def test_a_replay_begins_at_the_start_whatever_the_offsets_are_counted_from() -> None:
+    space, start, goal = wall_at(4.0), np.array([3.2, 0.1]), np.array([5.3, 0.2])
+    shifted = Escape("F1", np.zeros(1), escape().offsets + np.array([0.5, 0.25]))
+
+    record = replay(Detector(space, 100), shifted, start, goal)
+
+    assert np.allclose(record, replay(Detector(space, 100), escape(), start, goal))
+    assert record[0].tolist() == start.tolist()
+
+
 def test_an_escape_that_does_not_fit_gives_nothing() -> None:
-    assert (
-        replay(Detector(wall_at(4.0, foot=-3.0), 100), escape(), np.array([3.0, 0.0]), np.array([5.0, 0.0]))
-        == []
-    )
+    start, goal = np.array([3.0, 0.0]), np.array([5.0, 0.0])
+
+    assert len(replay(Detector(wall_at(4.0, foot=-3.0), 100), escape(), start, goal)) == 0
 
 
 def test_a_spent_detector_gives_nothing() -> None:
-    assert replay(Detector(wall_at(4.0), 0), escape(), np.array([3.0, 0.0]), np.array([5.0, 0.0])) == []
+    assert (
+        replay(Detector(wall_at(4.0), 0), escape(), np.array([3.0, 0.0]), np.array([5.0, 0.0])).tolist() == []
+    )
 
 
 shifts = arrays(float, (2,), elements=st.floats(-2, 2))
@@ -182,7 +223,7 @@ def test_whatever_is_replayed_is_certified_from_start_to_goal(
 
     record = replay(Detector(space, 100), escape(Path(points)), start, goal)
 
-    if record:
+    if len(record):
         assert np.array_equal(record[0], start)
         assert np.array_equal(record[-1], goal)
         assert is_certified(space, np.array(record))

@@ -1,17 +1,11 @@
 from itertools import islice
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
-from planners.arrays import Array
+from planners.detector import Detector
 from planners.region import Region, growing_regions
 from planners.settings import AxisRule, PlannerSettings
 from tests.planners.toy_spaces import BoxSpace
-
-inside = arrays(float, (2,), elements=st.floats(-1, 1))
-anywhere = arrays(float, (2,), elements=st.floats(-9, 9))
 
 
 def empty(size: float = 10.0) -> BoxSpace:
@@ -20,7 +14,7 @@ def empty(size: float = 10.0) -> BoxSpace:
 
 def test_a_region_refuses_what_is_outside_it_and_asks_the_space_about_the_rest() -> None:
     space = BoxSpace([-10.0] * 2, [10.0] * 2, [((0.5, 0.5), (0.6, 0.6))])
-    region = Region(space, np.full(2, -1.0), np.full(2, 1.0))
+    region = Detector(Region(space, np.full(2, -1.0), np.full(2, 1.0)), 100)
 
     assert region.is_free(np.array([1.0, -1.0]))
     assert not region.is_free(np.array([1.001, 0.0]))
@@ -29,22 +23,6 @@ def test_a_region_refuses_what_is_outside_it_and_asks_the_space_about_the_rest()
     assert not region.edge_is_free(np.array([-1.0, -1.0]), np.array([1.001, -1.0]))
     assert not region.edge_is_free(np.array([-1.001, -1.0]), np.array([1.0, -1.0]))
     assert not region.edge_is_free(np.array([0.0, 0.0]), np.array([1.0, 1.0]))
-
-
-@given(inside, anywhere)
-def test_advance_stays_in_the_box_and_on_the_segment_and_goes_as_far_as_it_can(a: Array, b: Array) -> None:
-    region = Region(empty(), np.full(2, -1.0), np.full(2, 1.0))
-
-    reached = region.advance(a, b)
-
-    assert (np.abs(reached) <= 1.0).all()
-    if (np.abs(b) <= 1.0).all():
-        assert np.array_equal(reached, b)
-    else:
-        along, off = (reached - a) @ (b - a), np.cross([*(reached - a), 0.0], [*(b - a), 0.0])[2]
-        assert along >= -1e-9
-        assert abs(off) < 1e-9
-        assert np.abs(reached).max() > 1.0 - 1e-9
 
 
 def test_regions_hold_the_ends_grow_with_their_budget_and_stop_at_the_bounds() -> None:

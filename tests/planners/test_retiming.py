@@ -1,13 +1,15 @@
 import math
+import random
 from collections.abc import Sequence
 
 import numpy as np
 import pytest
+import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
 from planners.errors import InvalidSetting, LimitExceeded, NotFinite, WrongShape
-from planners.retiming import ExactStop, PathLimits, exact_stop, path_limits
+from planners.retiming import ExactStop, PathLimits, exact_stop, path_limits, rest_to_rest
 
 #: X Y Z A B W C of a riveting machine: [m/s] or [rad/s], and so on.
 V_MAX = [0.5, 0.4, 0.25, 0.1, 0.1, 0.25, 1.0]
@@ -33,6 +35,50 @@ def closed_form_duration(v: float, a: float, j: float, distance: float = 1.0) ->
         peak = (-(a**2) / j + math.sqrt(a**4 / j**2 + 4.0 * a * distance)) / 2.0
         return 2.0 * (peak / a + a / j)
     return 4.0 * math.cbrt(distance / (2.0 * j))
+
+
+def by_ruckig(limits: PathLimits, unit: float) -> ruckig.Trajectory:
+    """Ruckig's profile in a `unit` of time [s] in which the jerk is 1: its tolerances are absolute."""
+    request = ruckig.InputParameter(1)
+    request.current_position, request.target_position = [0.0], [1.0]
+    request.max_velocity = [min(limits.v * unit, 10.0)]
+    request.max_acceleration = [min(limits.a * unit**2, 10.0)]
+    request.max_jerk = [1.0]
+    trajectory = ruckig.Trajectory(1)
+    ruckig.Ruckig(1).calculate(request, trajectory)
+    return trajectory
+
+
+def limits_of_a_block(rng: random.Random) -> PathLimits:
+    """Limits of some block, often where one case of the profile meets another."""
+    deltas = [0.0 if rng.random() < 0.3 else 10.0 ** rng.uniform(-7.0, 1.1) for _ in range(7)]
+    limits = path_limits(deltas if any(deltas) else [1.0] * 7, V_MAX, A_MAX, J_MAX)
+    v, a, j = limits.v, limits.a, limits.j
+    meeting = rng.randrange(8)
+    if meeting == 0:  # speed and acceleration are reached together
+        a = math.sqrt(v * j)
+    elif meeting == 1:  # the acceleration is just reached halfway
+        a = math.cbrt(0.5 * j * j)
+    elif meeting == 2:  # the speed is just reached halfway
+        ramp = 0.5 * rest_to_rest(PathLimits(1e9 * v, a, j)).duration
+        v = 1.0 / ramp
+    elif meeting == 3:  # neither is
+        v, a = 1e6 * v, 1e6 * a
+    return PathLimits(v, a, j)
+
+
+def require_that_it_is_ruckigs(limits: PathLimits) -> None:
+    """To the last bits, so in whole microseconds, rounded up, too."""
+    unit = limits.j ** (-1.0 / 3.0)
+    profile, other = rest_to_rest(limits), by_ruckig(limits, unit)
+    duration = sum(phase * unit for phase in other.profiles[0][0].t)
+    assert min(profile.phases) >= 0.0
+    assert profile.duration == pytest.approx(duration, rel=4e-15)
+    assert math.ceil(profile.duration * 1e6 - 1e-3) == math.ceil(duration * 1e6 - 1e-3)
+    t = [fraction * duration for fraction in (0.03, 0.11, 0.28, 0.46, 0.83)]
+    assert profile.sample(t).s.tolist() == pytest.approx(
+        [other.at_time(at / unit)[0][0] for at in t], abs=1e-9
+    )
 
 
 def times(profile: ExactStop, count: int = 401) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -101,6 +147,18 @@ def test_duration_agrees_with_the_closed_form(deltas: Sequence[float]) -> None:
         assert profile.duration == pytest.approx(closed_form_duration(limits.v, limits.a, limits.j), rel=1e-9)
     else:
         assert not np.any(deltas)
+
+
+@given(st.integers(0, 2**63))
+def test_the_profile_is_ruckigs(seed: int) -> None:
+    require_that_it_is_ruckigs(limits_of_a_block(random.Random(seed)))
+
+
+@pytest.mark.long
+def test_a_hundred_thousand_profiles_are_ruckigs() -> None:
+    rng = random.Random(1992)
+    for _ in range(100_000):
+        require_that_it_is_ruckigs(limits_of_a_block(rng))
 
 
 @given(blocks, st.floats(1.0, 100.0))

@@ -3,19 +3,23 @@ import pytest
 
 from planners import rrt_connect
 from planners.arrays import Array
+from planners.detector import Detector
 from planners.result import PlanStatus
-from planners.rrt_connect import Tree
+from planners.rrt_connect import Growth, add, branch, connect, nearest, new_tree
 from planners.settings import AxisRule, PlannerSettings
 from tests.planners.toy_spaces import (
     GOAL,
+    LOWER,
     SCENES,
     SEALED,
     START,
+    UPPER,
     BoxSpace,
     is_certified,
     plane,
     plane_settings,
     rules,
+    time_of,
 )
 
 
@@ -27,13 +31,13 @@ def test_every_solvable_scene_is_solved_with_a_certified_path(scene: str, seed: 
     result = rrt_connect.plan(space, START, GOAL, plane_settings(), np.random.default_rng(seed))
 
     assert result.ok
-    assert result.origin == "fallback"
+    assert result.origin == "planned"
     assert space.asked == result.counts.detections + result.counts.smoothing_detections
     for path in (result.path, result.recorded):
         assert path.start.tolist() == list(START)
         assert path.goal.tolist() == list(GOAL)
         assert is_certified(space, path.configurations)
-    assert result.path.length() <= result.recorded.length() + 1e-12
+    assert time_of(result.path) <= time_of(result.recorded) + 1e-12
     assert (
         np.diff(result.recorded.configurations, axis=0).any(axis=1).all()
     )  # no configuration twice in a row
@@ -74,25 +78,30 @@ def test_cancelling_ends_the_search() -> None:
     assert space.asked == 40
 
 
-def test_trees_join_where_the_space_reaches_a_target_only_up_to_rounding() -> None:
-    class Rounding(BoxSpace):
-        def advance(self, a: Array, b: Array) -> Array:
-            return super().advance(a, b) * (1.0 - 1e-15)
+class NoHalts(BoxSpace):
+    """Certifies whole edges or nothing."""
 
-    space = Rounding([-6.0, -6.0], [10.0, 6.0], SCENES["u_trap"])
+    def advance(self, a: Array, b: Array) -> Array:
+        raise NotImplementedError
+
+
+def test_trees_ask_for_whole_branches_only_and_join_at_the_very_same_configuration() -> None:
+    space = NoHalts(LOWER, UPPER, SCENES["u_trap"])
 
     result = rrt_connect.plan(space, START, GOAL, plane_settings(), np.random.default_rng(0))
 
     assert result.ok
     assert result.counts.detections < 1000
-    assert is_certified(space, result.recorded.configurations)
+    lengths = np.linalg.norm(np.diff(result.recorded.configurations, axis=0), axis=1)
+    assert lengths.max() <= 1.0 + 1e-12
+    assert len({q.tobytes() for q in result.recorded.configurations}) == len(result.recorded)
 
 
-def test_advances_that_gain_nothing_leave_no_configurations() -> None:
-    class Stuck(BoxSpace):
-        def advance(self, a: Array, b: Array) -> Array:
+def test_refused_branches_cost_one_detection_each_and_leave_no_configurations() -> None:
+    class Stuck(NoHalts):
+        def edge_is_free(self, a: Array, b: Array) -> bool:
             self.asked += 1
-            return a
+            return False
 
     space = Stuck([0.0], [1.0])
 
@@ -102,6 +111,31 @@ def test_advances_that_gain_nothing_leave_no_configurations() -> None:
 
     assert result.status is PlanStatus.STOPPED
     assert "trees of 1 and 1 configurations" in result.reason
+    assert result.counts.detections == space.asked == 50
+
+
+def test_both_trees_grow_in_turn() -> None:
+    result = rrt_connect.plan(
+        plane(SEALED), START, GOAL, plane_settings(max_detections=500), np.random.default_rng(0)
+    )
+
+    sizes = [int(word) for word in result.reason.split() if word.isdigit()]
+    assert len(sizes) == 2
+    assert min(sizes) > 5
+
+
+def test_a_tree_is_connected_from_its_nearest_configuration_branch_by_branch() -> None:
+    detector, tree = Detector(plane([]), 100), new_tree(np.array([-4.0, 0.0]), 100)
+    for number in range(1, 7):
+        add(tree, np.array([-4.0 + number, 0.0]), number - 1)
+    growth = Growth(detector.asking, np.random.default_rng(0), np.ones(2), 1.0, np.empty(2))
+
+    tip = connect(growth, tree, np.array([4.25, 0.0]))
+
+    assert (tip, tree.size.tolist()) == (9, [10])
+    assert tree.configurations[7:10].tolist() == [[3.0, 0.0], [4.0, 0.0], [4.25, 0.0]]
+    assert tree.parents[7:10].tolist() == [6, 7, 8]
+    assert detector.detections == 3
 
 
 def test_unsafe_ends_are_answers() -> None:
@@ -127,22 +161,21 @@ def test_nearest_agrees_with_brute_force_in_the_weighted_metric_while_the_tree_g
     rng = np.random.default_rng(0)
     weights = np.array([1.0, 0.2, 3.0])
     nodes = rng.normal(size=(300, 3))
-    tree = Tree(nodes[0], weights)
+    tree = new_tree(nodes[0], 300)
 
     for count, node in enumerate(nodes[1:], 1):
         query = rng.normal(size=3)
         expected = min(range(count), key=lambda i: float(np.linalg.norm((nodes[i] - query) * weights)))
-        assert tree.nearest(query) == expected
-        assert tree.add(node, expected) == count
+        assert nearest(tree, query, weights) == expected
+        assert add(tree, node, expected) == count
 
-    assert tree.size == 300
+    assert tree.size.tolist() == [300]
 
 
-def test_a_branch_runs_from_the_root() -> None:
-    tree = Tree(np.array([0.0]), np.ones(1))
-    tree.add(np.array([1.0]), 0)
-    tree.add(np.array([9.0]), 0)
-    tree.add(np.array([2.0]), 1)
+def test_a_branch_runs_down_to_the_root() -> None:
+    tree, path = new_tree(np.array([0.0]), 4), np.empty((4, 1))
+    for q, parent in ((1.0, 0), (9.0, 0), (2.0, 1)):
+        add(tree, np.array([q]), parent)
 
-    assert [q.tolist() for q in tree.branch(3)] == [[0.0], [1.0], [2.0]]
-    assert [q.tolist() for q in tree.branch(0)] == [[0.0]]
+    assert path[: branch(tree, 3, path, 0)].tolist() == [[2.0], [1.0], [0.0]]
+    assert path[: branch(tree, 0, path, 0)].tolist() == [[0.0]]

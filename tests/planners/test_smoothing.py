@@ -7,11 +7,26 @@ from planners import graux
 from planners.arrays import Array
 from planners.detector import Detector
 from planners.smoothing import smooth
-from tests.planners.toy_spaces import GOAL, SCENES, START, BoxSpace, is_certified, plane, plane_settings
+from tests.planners.toy_spaces import (
+    GOAL,
+    LOWER,
+    SCENES,
+    START,
+    UPPER,
+    BoxSpace,
+    is_certified,
+    plane,
+    plane_settings,
+)
 
 
-def length(configurations: list[Array]) -> float:
+def length(configurations: list[Array] | Array) -> float:
     return float(np.linalg.norm(np.diff(np.array(configurations), axis=0), axis=1).sum())
+
+
+def is_subsequence(some: Array, every: list[Array]) -> bool:
+    rest = iter(q.tobytes() for q in every)
+    return all(q.tobytes() in rest for q in some)
 
 
 def free_walk(space: BoxSpace, seed: int, count: int = 60) -> list[Array]:
@@ -34,12 +49,12 @@ def test_smoothing_keeps_the_ends_stays_free_and_never_lengthens(
     saddles = data.draw(st.lists(st.integers(0, len(walk) - 1), max_size=5))
     before = np.array(walk).tobytes()
 
-    smoothed = smooth(Detector(space, 10_000), walk, saddles)
+    smoothed = smooth(Detector(space, 10_000), np.array(walk), saddles)
 
-    assert smoothed[0] is walk[0]
-    assert smoothed[-1] is walk[-1]
+    assert np.array_equal(smoothed[[0, -1]], [walk[0], walk[-1]])
     assert is_certified(space, np.array(smoothed))
     assert length(smoothed) <= length(walk) + 1e-9
+    assert is_subsequence(smoothed, walk)
     assert np.array(walk).tobytes() == before
     again = smooth(Detector(space, 10_000), smoothed)
     assert len(again) == len(smoothed)  # nothing is left to be done
@@ -48,7 +63,7 @@ def test_smoothing_keeps_the_ends_stays_free_and_never_lengthens(
 def test_what_can_be_seen_directly_becomes_two_configurations_for_one_detection() -> None:
     detector = Detector(plane([]), 100)
 
-    smoothed = smooth(detector, free_walk(plane([]), 1))
+    smoothed = smooth(detector, np.array(free_walk(plane([]), 1)))
 
     assert len(smoothed) == 2
     assert detector.detections == 1
@@ -56,7 +71,7 @@ def test_what_can_be_seen_directly_becomes_two_configurations_for_one_detection(
 
 def test_saddle_points_are_tried_first() -> None:
     space = plane(SCENES["wall"])
-    around = [np.array(q) for q in [(2, 0), (2, -1), (3, -1), (3, -2), (5, -2), (6, -2), (6, -1), (8, 0)]]
+    around = np.array([(2, 0), (2, -1), (3, -1), (3, -2), (5, -2), (6, -2), (6, -1), (8, 0)], dtype=float)
     detector = Detector(space, 3)
 
     smoothed = smooth(detector, around, saddles=[3, 5])
@@ -71,7 +86,7 @@ def test_the_budget_bounds_the_work_and_the_rest_is_kept(budget: int) -> None:
     walk = free_walk(space, 3)
     space.asked = 0
 
-    smoothed = smooth(Detector(space, budget), walk)
+    smoothed = smooth(Detector(space, budget), np.array(walk))
 
     assert space.asked <= budget
     assert is_certified(space, np.array(smoothed))
@@ -79,10 +94,42 @@ def test_the_budget_bounds_the_work_and_the_rest_is_kept(budget: int) -> None:
         assert len(smoothed) == len(walk)
 
 
-def test_one_configuration_is_its_own_smoothed_path() -> None:
-    walk = [np.array(START)]
+@pytest.mark.parametrize(("scene", "seed"), [("wall", 44), ("u_trap", 26), ("narrow_door", 104)])
+def test_passes_repeat_until_nothing_changes_and_no_shortcut_is_asked_twice(scene: str, seed: int) -> None:
+    asked: list[bytes] = []
 
-    assert smooth(Detector(plane([]), 10), walk) == walk
+    class Noting(BoxSpace):
+        def edge_is_free(self, a: Array, b: Array) -> bool:
+            asked.append(np.array([a, b]).tobytes())
+            return super().edge_is_free(a, b)
+
+    walk = np.array(free_walk(plane(SCENES[scene]), seed))  # one pass leaves something to the next
+
+    smoothed = smooth(Detector(Noting(LOWER, UPPER, SCENES[scene]), 10_000), walk)
+
+    assert len(smooth(Detector(plane(SCENES[scene]), 10_000), smoothed)) == len(smoothed)
+    assert len(asked) == len(set(asked))
+
+
+def test_a_hidden_end_is_looked_for_by_halving() -> None:
+    class Foggy(BoxSpace):
+        def edge_is_free(self, a: Array, b: Array) -> bool:
+            self.asked += 1
+            return bool(np.abs(b - a).max() <= 1.0)
+
+    space, count = Foggy([0.0], [40.0]), 33
+    path = np.arange(count, dtype=float)[:, np.newaxis]
+
+    smoothed = smooth(Detector(space, 10_000), path)
+
+    assert np.array_equal(smoothed, path)
+    assert space.asked <= 1 + count * np.log2(count)
+
+
+def test_one_configuration_is_its_own_smoothed_path() -> None:
+    walk = np.array([START])
+
+    assert np.array_equal(smooth(Detector(plane([]), 10), walk), walk)
 
 
 def test_smoothing_reduces_a_random_search_to_a_few_waypoints() -> None:

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planners.arrays import Array, frozen
+from planners.block_time import block_time
+from planners.path import Path
 from planners.settings import AxisRule, PlannerSettings, RandomRule
 
 BoxList = Sequence[tuple[Sequence[float], Sequence[float]]]
@@ -92,6 +94,13 @@ def rules(
 def plane_settings(step: float = 0.5, max_detections: int = 20_000) -> PlannerSettings:
     """Settings for the plane: its regions and branches are of the size of its scenes."""
     return PlannerSettings(rules(2, step), max_detections=max_detections, region_margin=1.0, branch_reach=1.0)
+
+
+def time_of(path: Path | Array, settings: PlannerSettings | None = None) -> float:
+    """Time of the path's blocks [s]; without settings each axis does 1 in 1 s, as in `plane_settings`."""
+    limits = np.array((settings or plane_settings()).limits)
+    configurations = np.array(path.configurations if isinstance(path, Path) else path)
+    return sum(block_time(a, b, limits) for a, b in pairwise(configurations))
 
 
 def is_certified(space: BoxSpace, configurations: Array) -> bool:

@@ -226,7 +226,7 @@ def _block(n: int, leg: Leg, here: Array, machine: Machine, clock: Clock, *, res
 
 
 def timing(machine: Machine, start: NcAxes, end: NcAxes) -> tuple[NcDynamics, float]:
-    """Dynamics of a straight block and its duration [s], by the planner's own timing (ruckig)."""
+    """Dynamics of a straight block and its duration [s], by the planner's own timing."""
     deltas = (end.q - start.q, machine.v_max, machine.a_max, machine.j_max)
     fastest = path_limits(*deltas)
     down = SignificantDown(6)

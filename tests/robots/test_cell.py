@@ -12,6 +12,7 @@ import pytest
 from planners.arrays import Array
 from robots.cell import Cell, LinkSpace
 from robots.coal_shapes import to_coal
+from robots.coal_stations import CoalStations
 from robots.machine import PANEL
 from robots.machine_file import load_machine
 from robots.panel import Panel
@@ -265,16 +266,12 @@ def test_another_move_at_the_same_fastener_is_proved_among_its_own_surroundings(
     """The tip's surroundings are kept from one die angle to the next, not from one place to another."""
     reached = station("straight", 3)
     assert isinstance(reached, Station)
-    where, across = cell("straight"), np.array([0, -0.006, 0, 0, 0, 0, 0])  # 6 mm towards the stringer's web
-
-    assert where.process_is_free(reached.fastener, reached.opened, reached.clamped)
-    known = where._last_tip_scene
-    where.process_is_free(reached.fastener, reached.opened + across, reached.clamped + across)
-    assert where._last_tip_scene is not known
+    where = cell("straight")
+    checks, meant = CoalStations(where), where.meant_at(reached.fastener)
+    known = checks.tip_scene(reached.opened, reached.clamped, meant)
 
     turned = np.array([0, 0, 0, 0, 0, 0, 0.3])
-    kept = where._last_tip_scene
-    where.process_is_free(
-        reached.fastener, reached.opened + across + turned, reached.clamped + across + turned
-    )
-    assert where._last_tip_scene is kept
+    assert checks.tip_scene(reached.opened + turned, reached.clamped + turned, meant) is known
+    across = np.array([0, 0.1, 0, 0, 0, 0, 0])  # away from the stringer
+    assert checks.tip_scene(reached.opened + across, reached.clamped + across, meant) is not known
+    assert checks.tip_scene(reached.opened, reached.clamped, meant[:1]) is not known

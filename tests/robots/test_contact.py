@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 
 from planners.arrays import Array
 from robots import hexahedra
-from robots.contact import PanelPieces, TipScene, ray_exits
+from robots.contact import PanelPieces, TipScene
 from robots.dies import TIP
+from robots.kernel.flat import piece_rows
+from robots.kernel.under_face import line_exit
 from robots.panel import Fastener, Panel, Part, Stack
 from tests.robots.flat_crossing import MM, fastener, flat_crossing, part
 from tests.robots.rigs import crossing, distance_to, on_surface, riveted, shifted, station, with_fasteners
@@ -120,6 +122,12 @@ def test_both_chords_of_a_bent_skin_are_under_a_face_over_their_seam() -> None:
     assert len(under(over)) == 2
 
 
+def exits_of(pieces: Array, origins: Array, direction: Array) -> Array:
+    """Where lines from `origins` (R, 3) leave each piece (H, 8, 3): parameters (R, H) [m]."""
+    rows = piece_rows(pieces)
+    return np.array([[line_exit(rows, h, *o, *direction) for h in range(len(rows))] for o in origins])
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_lines_leave_convex_pieces_where_sampling_says(seed: int) -> None:
@@ -133,8 +141,8 @@ def test_lines_leave_convex_pieces_where_sampling_says(seed: int) -> None:
     origins = rng.normal(size=(20, 3)) * 2.0
     t, step = np.linspace(-20.0, 20.0, 10001, retstep=True)
 
-    exits = ray_exits(normals, offsets, origins, direction)
-    entries = -ray_exits(normals, offsets, origins, -direction)
+    exits = exits_of(pieces, origins, direction)
+    entries = -exits_of(pieces, origins, -direction)
 
     assert exits.shape == (20, 1)
     for origin, leave, enter in zip(origins, exits[:, 0], entries[:, 0], strict=True):
@@ -148,9 +156,8 @@ def test_lines_leave_convex_pieces_where_sampling_says(seed: int) -> None:
 
 def test_lines_along_a_face_miss_the_piece_beside_them_and_cross_the_one_they_are_in() -> None:
     pieces = hexahedra.box(np.array([[0.0, 0, 0], [2, 0, 0]]), np.array([[1.0, 1, 1], [3, 1, 1]]))
-    normals, offsets = hexahedra.planes(pieces)
 
-    exits = ray_exits(normals, offsets, np.array([[0.5, 0.5, 3.0], [1.5, 0.5, 3.0]]), np.array([0, 0, -1.0]))
+    exits = exits_of(pieces, np.array([[0.5, 0.5, 3.0], [1.5, 0.5, 3.0]]), np.array([0, 0, -1.0]))
 
     assert exits.tolist() == [[3.0, -np.inf], [-np.inf, -np.inf]]
 

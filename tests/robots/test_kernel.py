@@ -1,4 +1,9 @@
-"""The compiled Space against the one it stands in for: as careful everywhere, hardly more so anywhere."""
+"""The compiled Space against the one it stands in for: never less careful, hardly more so anywhere.
+
+A pose is free to the kernel only where it is free to the cell. An edge that the cell certifies, the kernel
+certifies. What the kernel certifies beyond that, edges that graze a part, brute force finds to keep its
+clearance.
+"""
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -11,14 +16,13 @@ import pytest
 from planners.arrays import Array
 from robots.cell import CERTIFICATE_MARGIN, Cell, LinkSpace
 from robots.kernel.flat import FlatCell, flat_panel, pack
-from robots.kernel.layout import MACHINE as MACHINE_ROW
-from robots.kernel.layout import PIECES, POSE_T, SOLIDS, Ints
-from robots.kernel.motion import motion_of_pairs
-from robots.kernel.poses import place_links
 from robots.kernel.space import KernelSpace, flat_cell
 from robots.panel import Panel
 from tests.robots.flat_crossing import flat_crossing, part
-from tests.robots.test_cell import FAR, FINE, MACHINE, cell, near_crossing, smallest_gap, tilted
+from tests.robots.test_cell import FAR, FINE, MACHINE, cell, near_crossing, tilted
+
+ROUNDED = 1e-7
+"""[m] Lack of clearance that is rounding; far less than `CERTIFICATE_MARGIN`."""
 
 DIES = ("straight", "j20", "offset35", "long_reach")
 
@@ -41,6 +45,17 @@ def pose(rng: np.random.Generator) -> Array:
     """Around the crossing, turned every other time, in all heights of the die."""
     q = near_crossing(rng)
     return tilted(q, rng) if rng.random() < 0.5 else q
+
+
+def keeps_clearance(where: Cell, a: Array, b: Array) -> bool:
+    """Whether every pair keeps the clearance of transit, by coal, at steps of 0.05 mm along the edge."""
+    steps = int(np.ceil(where.bound(a, b).max() / FINE)) + 1
+    needs = [needed - ROUNDED for needed in where.transit]
+    for s in np.linspace(0.0, 1.0, steps):
+        where.scene.place(a + s * (b - a))
+        if any(where.scene.within(k, needed) for k, needed in enumerate(needs)):
+            return False
+    return True
 
 
 @dataclass
@@ -115,7 +130,7 @@ def compare_edges(die: str, count: int, reach: float, seed: int) -> Tally:
     for a, b in edges(exact, count, reach, seed):
         accepted = compiled.edge_is_free(a, b)
         tally.count(accepted, exact.edge_is_free(a, b))
-        assert not (accepted and smallest_gap(cell(die), a, b) < 0.0)
+        assert not accepted or keeps_clearance(cell(die), a, b), (a, b)
     return tally
 
 
@@ -138,18 +153,21 @@ def test_brute_force_finds_no_lack_of_clearance_on_thousands_of_edges(die: str, 
 
 
 @pytest.mark.parametrize("die", DIES)
-def test_edges_and_what_is_reached_on_them_are_those_of_the_cell(die: str) -> None:
+def test_what_the_cell_certifies_the_kernel_certifies_and_reaches(die: str) -> None:
     exact, compiled, tally = LinkSpace(cell(die), FAR), kernel(die), Tally()
     for a, b in edges(compiled, 300, 0.08, seed=23):
-        tally.count(compiled.edge_is_free(a, b), exact.edge_is_free(a, b))
-        reached = compiled.advance(a, b), exact.advance(a, b)
-        if tally.kernel_only + tally.cell_only == 0:
-            travel = cell(die).bound(*reached).max()
-            assert travel < 4.0 * FINE, (a, b)
+        by_kernel, by_cell = compiled.edge_is_free(a, b), exact.edge_is_free(a, b)
+        tally.count(by_kernel, by_cell)
+        if by_kernel and not by_cell:
+            assert keeps_clearance(cell(die), a, b), (a, b)
+            continue
+        reached, reached_by_cell = compiled.advance(a, b), exact.advance(a, b)
+        if cell(die).bound(reached, reached_by_cell).max() >= 4.0 * FINE:
+            assert np.linalg.norm(reached - a) > np.linalg.norm(reached_by_cell - a), (a, b)
+            assert keeps_clearance(cell(die), a, reached), (a, b)
 
     assert tally.both > 30
-    assert tally.kernel_only == 0
-    assert tally.both >= 0.98 * (tally.both + tally.cell_only)
+    assert tally.cell_only <= 0.01 * tally.both
 
 
 def test_what_is_reached_is_certified_itself_and_beyond_it_there_is_an_obstacle() -> None:
@@ -258,43 +276,6 @@ def test_spaces_asked_from_several_threads_at_once_do_not_meet() -> None:
     assert together == [alone] * 4
 
 
-@pytest.mark.parametrize("die", DIES)
-def test_the_compiled_motion_bound_is_the_motion_bound(die: str) -> None:
-    rng, where = np.random.default_rng(41), cell(die)
-    views = unpacked(flat(die))
-    motion = np.empty(len(where.scene.pairs))
-    for _ in range(200):
-        a, b = rng.uniform(MACHINE.lower, MACHINE.upper, (2, 7))
-        keep = rng.random(7) < 0.4
-        b[keep] = a[keep]
-        motion_of_pairs(*views, a, b, motion)
-        assert motion == pytest.approx(where.bound(a, b), rel=1e-13, abs=1e-15)
-
-
-def test_links_are_where_the_chain_of_the_definition_puts_them() -> None:
-    rng, machine = np.random.default_rng(42), unpacked(flat("j20"))[0]
-    chain, frames = cell("j20").scene.chain, np.empty((6, 12))
-    for _ in range(100):
-        q = rng.uniform(MACHINE.lower, MACHINE.upper)
-        place_links(machine, q, frames)
-        for row, link in enumerate("XWC"):
-            T = chain.placement(q, link)
-            assert frames[row, :9] == pytest.approx(T[:3, :3].ravel(), abs=1e-12)
-            assert frames[row, POSE_T : POSE_T + 3] == pytest.approx(T[:3, 3], abs=1e-12)
-
-
-def unpacked(packed: FlatCell) -> tuple[Array, Array, Ints]:
-    """Rows `machine`, `solids` and `pairs` of a packed cell, taken apart once more by hand."""
-    numbers, indices = np.array(packed.numbers), np.array(packed.indices)
-    N, H, S, _, K = indices[:5].tolist()
-    first = MACHINE_ROW + 6 * N + PIECES * H
-    return (
-        numbers[:MACHINE_ROW],
-        numbers[first : first + SOLIDS * S].reshape(S, SOLIDS),
-        indices[-2 * K :].reshape(K, 2),
-    )
-
-
 @cache
 def reaching(die: str) -> Cell:
     """The machine with a die that rises 150 mm higher, into foot and head."""
@@ -331,8 +312,7 @@ def test_the_machine_does_not_run_into_itself(die: str) -> None:
 def test_solids_said_to_be_always_apart_never_come_nearer(die: str) -> None:
     rng = np.random.default_rng(62)
     for where in (cell(die), reaching(die)):
-        packed = flat_cell(where, CERTIFICATE_MARGIN)
-        always = packed.numbers[-len(where.scene.pairs) :]
+        always = apart_always(where)
         assert np.any(always > 0.0)
         for _ in range(40):
             q = rng.uniform(where.machine.lower, where.machine.upper)
@@ -340,6 +320,13 @@ def test_solids_said_to_be_always_apart_never_come_nearer(die: str) -> None:
             where.scene.place(q)
             for k, pair in enumerate(where.scene.pairs):
                 assert always[k] < 0.0 or not (pair.with_panel or where.scene.within(k, always[k]))
+
+
+def apart_always(where: Cell) -> Array:
+    """Row `always` of the packed cell."""
+    numbers, indices = flat_cell(where, CERTIFICATE_MARGIN)
+    always: Array = numbers[-int(indices[4]) :]
+    return always
 
 
 def test_guaranteed_clearance_is_that_of_the_cell() -> None:
@@ -368,9 +355,10 @@ def test_a_machine_of_another_layout_is_refused() -> None:
         pack(
             other,
             where.panel,
-            where.scene.solids,
-            where.scene.pairs,
+            where.open.solids,
+            where.open.pairs,
             np.column_stack([where.transit, where.near]),
+            open_pairs=len(where.open.pairs),
             tip_pair=where.tip_pair,
             near_radius=0.04,
         )

@@ -10,7 +10,7 @@ from planners.arrays import Array
 from robots import hexahedra
 from robots.coal_shapes import to_coal
 from robots.kernel.flat import piece_rows, solid_kinds, solid_row
-from robots.kernel.layout import POSE, Ints
+from robots.kernel.layout import PIECES, POSE, Ints
 from robots.kernel.poses import bound
 from robots.kernel.shapes import support
 from robots.kernel.tree import build
@@ -51,12 +51,21 @@ def packed(*bodies: Shape) -> tuple[Array, Ints, Array]:
 
 
 def posed(solids: Array, kinds: Ints, *places: tuple[Array, Array]) -> Array:
-    """Rows of `poses` with their boxes."""
+    """Rows of `poses` with their boxes: all solids at the first pose, then all at the second."""
     poses = np.zeros((len(places), POSE))
     for row, (R, t) in enumerate(places):
         poses[row, :9], poses[row, 9:12] = R.ravel(), t
-        bound(solids, kinds, row, poses, row)
+        bound(solids, kinds, row % len(solids), poses, row)
     return poses
+
+
+def piece_is_near(
+    piece: Array, bodies: tuple[Array, Ints, Array], poses: Array, asked: float, *, moved: bool = False
+) -> bool:
+    """Whether body 0 may come nearer than `asked` to a piece: at row 0 of poses, or `moved` to row 1."""
+    S, rows = np.empty((11, 3)), piece_rows(piece[None])
+    straight = not moved or bool(np.array_equal(poses[0, :9], poses[1, :9]))
+    return bool(near_piece(rows, *bodies, poses, 0, int(moved), straight, 0, 0, asked, S))
 
 
 def distance(one: coal.CollisionGeometry, R: Array, t: Array, other: coal.CollisionGeometry) -> float:
@@ -94,13 +103,45 @@ def test_a_solid_and_a_piece_are_apart_exactly_when_their_distance_says_so(
 ) -> None:
     t = 4.0 * t
     piece = hexahedra.box(-np.array(extent) / 2.0, np.array(extent) / 2.0) @ turned.T
-    solids, kinds, profiles = packed(shape)
-    poses = posed(solids, kinds, (R, t))
+    poses = posed(*packed(shape)[:2], (R, t))
     apart = distance(to_coal(shape), R, t, hull(piece))
     asked = data.draw(st.sampled_from([margin, max(0.0, apart - 1e-5), max(0.0, apart + 1e-5)]))
 
-    V, S = np.empty((8, 3)), np.empty((11, 3))
-    near = near_piece(piece_rows(piece[None]), 0, solids, kinds, profiles, 0, poses, asked, V, S)
+    near = piece_is_near(piece, packed(shape), poses, asked)
+
+    if apart > 0.0:
+        check(apart, asked, near, 3.0)
+    else:
+        assert near
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    shapes().filter(lambda shape: not isinstance(shape, Cylinder)),
+    st.lists(turns(), min_size=2, max_size=2),
+    st.lists(vector, min_size=2, max_size=2),
+    st.tuples(size, size, size),
+    st.booleans(),
+    st.data(),
+)
+def test_a_moved_solid_and_a_piece_are_apart_exactly_when_the_hull_of_its_ends_is(
+    shape: Shape,
+    R: list[Array],
+    t: list[Array],
+    extent: tuple[float, ...],
+    straight: bool,
+    data: st.DataObject,
+) -> None:
+    R[1] = R[0] if straight else R[1]
+    t[0] = t[0] + data.draw(vector) * 4.0
+    piece = hexahedra.box(-np.array(extent) / 2.0, np.array(extent) / 2.0)
+    bodies = packed(shape)
+    poses = posed(*bodies[:2], *zip(R, t, strict=True))
+    ends = np.vstack([shape_vertices(shape) @ R[i].T + t[i] for i in (0, 1)])
+    apart = distance(hull(ends), np.eye(3), np.zeros(3), hull(piece))
+    asked = data.draw(st.sampled_from([0.02, max(0.0, apart - 1e-5), max(0.0, apart + 1e-5)]))
+
+    near = piece_is_near(piece, bodies, poses, asked, moved=True)
 
     if apart > 0.0:
         check(apart, asked, near, 3.0)
@@ -119,8 +160,8 @@ def test_two_solids_are_apart_exactly_when_their_distance_says_so(
     apart = distance(to_coal(one), R, t, to_coal(other))
     asked = data.draw(st.sampled_from([margin, max(0.0, apart - 1e-5), max(0.0, apart + 1e-5)]))
 
-    V, T, S = np.empty((8, 3)), np.empty((1, 12)), np.empty((11, 3))
-    near = solids_near(solids, kinds, profiles, 0, 1, poses, asked, V, T, S)
+    no_pieces, S = np.empty((0, PIECES)), np.empty((11, 3))
+    near = solids_near(no_pieces, solids, kinds, profiles, poses, 0, 0, True, 0, 1, asked, S)
 
     if apart > 0.0:
         check(apart, asked, near, 3.0)
@@ -146,38 +187,32 @@ def test_no_point_of_a_shape_is_farther_than_its_support_point(shape: Shape, alo
 
 def test_a_cylinder_is_round() -> None:
     """Beside the corner of the box around it there is room that the box would not leave."""
-    solids, kinds, profiles = packed(Cylinder(0.03, 0.2))
+    solids, kinds, _ = packed(Cylinder(0.03, 0.2))
     corner = 0.03 / np.sqrt(2.0) + 0.002
     piece = hexahedra.box(np.array([corner, corner, -1.0]), np.array([1.0, 1.0, 1.0]))
     poses = posed(solids, kinds, (np.eye(3), np.zeros(3)))
     apart = np.hypot(corner, corner) - 0.03
-    V, S = np.empty((8, 3)), np.empty((11, 3))
 
-    near = [
-        near_piece(piece_rows(piece[None]), 0, solids, kinds, profiles, 0, poses, apart + by, V, S)
-        for by in (-1e-7, 1e-7)
-    ]
+    near = [piece_is_near(piece, packed(Cylinder(0.03, 0.2)), poses, apart + by) for by in (-1e-7, 1e-7)]
 
     assert near == [False, True]
 
 
-def test_what_is_not_a_number_is_near() -> None:
-    solids, kinds, profiles = packed(Box(np.ones(3)))
+@pytest.mark.parametrize("lost", [0, 1])
+def test_what_is_not_a_number_at_either_pose_is_near(lost: int) -> None:
+    solids, kinds, profiles = packed(Box(np.ones(3)), Cylinder(1.0, 2.0))
     piece = hexahedra.box(np.full(3, 8.0), np.full(3, 9.0))
-    poses = posed(solids, kinds, (np.eye(3), np.array([np.nan, 0.0, 0.0])))
+    far, nowhere = (np.eye(3), np.zeros(3)), (np.eye(3), np.array([np.nan, 0.0, 0.0]))
+    away = (np.eye(3), np.array([5.0, 5.0, 5.0]))
+    ends = [nowhere if end == lost else far for end in (0, 1)]
+    poses = posed(solids, kinds, ends[0], away, ends[1], away)
+    no_pieces, S = np.empty((0, PIECES)), np.empty((11, 3))
 
-    assert near_piece(
-        piece_rows(piece[None]),
-        0,
-        solids,
-        kinds,
-        profiles,
-        0,
-        poses,
-        0.0,
-        np.empty((8, 3)),
-        np.empty((11, 3)),
-    )
+    for straight in (True, False):
+        assert near_piece(
+            piece_rows(piece[None]), solids, kinds, profiles, poses, 0, 2, straight, 0, 0, 0.0, S
+        )
+        assert solids_near(no_pieces, solids, kinds, profiles, poses, 0, 2, straight, 0, 1, 0.0, S)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 17, 200])

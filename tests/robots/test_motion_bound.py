@@ -1,17 +1,19 @@
 """The motion bound: never exceeded by any point of any solid, and each of its terms is needed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planners.arrays import Array
+from robots.assembly import Pair
 from robots.chain import Chain
 from robots.machine import PANEL, Machine
 from robots.machine_file import load_machine
 from robots.motion_bound import MotionBound
-from robots.scene import Pair
-from robots.solids import Cylinder, Solid
+from robots.solids import Box, Cylinder, Solid
 
 MACHINE = load_machine("riveter")
 DIE = MACHINE.dies["offset35"]
@@ -57,6 +59,55 @@ def test_no_point_of_a_solid_travels_farther_than_its_bound(a: Array, b: Array, 
 
     for k, solid in enumerate(SOLIDS):
         assert moved(a, b, solid) <= bound[k] + 1e-12
+
+
+def speck() -> Solid:
+    """A solid without size to speak of, at the tip of the die: its bound is that of a point."""
+    tip = next(solid for solid in SOLIDS if solid.name == "tip")
+    return replace(tip, shape=Box(np.full(3, 1e-9)))
+
+
+def top_speed(a: Array, b: Array, solid: Solid) -> float:
+    """Largest speed of the solid's origin against the panel anywhere on the segment, in [m] per segment."""
+    s, step = np.linspace(0.0, 1.0, 201), 1e-6
+    places = [
+        [CHAIN.placement(a + (at + side * step) * (b - a), solid.link) @ solid.T_link_solid for at in s]
+        for side in (-0.5, 0.5)
+    ]
+    before, after = (np.array(row)[:, :3, 3] for row in places)
+    return float(np.linalg.norm(after - before, axis=1).max() / step)
+
+
+@settings(max_examples=40, deadline=None)
+@given(configuration, configuration)
+def test_over_every_part_of_a_segment_a_point_keeps_to_that_part_of_the_bound(a: Array, b: Array) -> None:
+    bound = MotionBound(MACHINE, [speck()], [Pair("tip", PANEL, of_die=True)])(a, b)
+
+    assert top_speed(a, b, speck()) <= bound[0] * (1.0 + 1e-6) + 1e-6
+
+
+def test_the_axis_of_B_turns_about_A_on_the_way_and_the_bound_knows() -> None:
+    a = np.array([6.0, 0.0, 0.0, -0.6, 0.0, 0.1, 0.0])
+    b = a + np.array([0.0, 0.0, 0.0, 1.2, 0.1, 0.0, 0.0])
+    turn = np.array([b[3] - a[3], b[4] - a[4], 0.0])  # as if it did not: Rx(0) e_y throughout
+    bound = MotionBound(MACHINE, [speck()], [Pair("tip", PANEL, of_die=True)])
+    offsets = [bound._offset(q)[0] for q in (a, b)]
+
+    without = max(float(np.linalg.norm(np.cross(turn, o))) for o in offsets)
+
+    assert without < top_speed(a, b, speck()) <= bound(a, b)[0]
+
+
+def test_a_panel_that_pivots_under_the_die_moves_little() -> None:
+    a = np.array([6.0, 0.8, -0.2, 0.4, 0.0, 0.2, 0.3])
+    tip = next(k for k, s in enumerate(SOLIDS) if s.name == "tip")
+    y, z = BOUND._offset(a)[tip][1:]
+    turn = 0.05
+    b = a + np.array([0.0, turn * z, -turn * y, turn, 0.0, 0.0, 0.0])  # o' = w x o: the tip's middle stays
+
+    travelled = moved(a, b, SOLIDS[tip])
+
+    assert travelled <= BOUND(a, b)[tip] < 0.1 * np.linalg.norm(b[:3] - a[:3])
 
 
 @pytest.mark.parametrize("name", ["X", "Y", "Z", "A", "B", "W", "C"])

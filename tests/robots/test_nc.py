@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from robots.errors import InvalidInput
 from robots.machine_file import load_machine
 from robots.nc import Certificate, NcAxes, NcChecker, NcProgram
-from robots.nc_codec import Decimals, DecimalsDown, SignificantDown
+from robots.nc_codec import encode
 from robots.nc_json import from_json, program_id, program_sha256, rounded, to_json, with_certificate
 from tests.robots.nc_samples import sample
 
@@ -45,7 +45,33 @@ def edited(edit: Callable[[Any], Any]) -> str:
     return json.dumps(data)
 
 
+CERTIFICATE = certificate(PROGRAM)
+
+
 class TestWriting:
+    def test_the_file_is_the_hashed_text_with_the_certificate_at_its_end(self) -> None:
+        certified = with_certificate(PROGRAM, CERTIFICATE)
+
+        for program in (PROGRAM, certified, with_certificate(replace(PROGRAM, dies=()), CERTIFICATE)):
+            assert to_json(program) == f"{encode(program)}\n".encode()
+        assert json.loads(to_json(certified))["verification"]["result"] == "clean"
+
+    def test_a_program_crosses_a_process_and_stays_what_it_is(self) -> None:
+        certified = with_certificate(PROGRAM, CERTIFICATE)
+
+        assert pickle.loads(pickle.dumps(certified)) == certified
+
+    def test_what_cannot_be_written_can_have_a_certificate_that_says_so(self) -> None:
+        broken = replace(PROGRAM, blocks=(replace(PROGRAM.blocks[1], t_end_s=math.nan),))
+
+        assert with_certificate(broken, CERTIFICATE).verification == CERTIFICATE
+
+    def test_a_changed_program_has_its_own_text(self) -> None:
+        before = to_json(PROGRAM)
+
+        assert to_json(replace(PROGRAM, blocks=PROGRAM.blocks[:2])) != before
+        assert to_json(PROGRAM) == before
+
     def test_what_is_written_is_read_back_exactly(self) -> None:
         for program in (PROGRAM, with_certificate(PROGRAM, certificate(PROGRAM))):
             assert from_json(to_json(program)) == program
@@ -94,36 +120,6 @@ class TestWriting:
         block = replace(PROGRAM.blocks[1], axes=axes)
 
         assert rounded(replace(PROGRAM, blocks=(block,))).blocks[0].axes == axes
-
-
-class TestFormats:
-    @given(FLOATS)
-    def test_decimals_are_the_nearest(self, value: float) -> None:
-        text = Decimals(4).text(value)
-
-        assert abs(float(text) - value) <= 0.5e-4 * (1 + 1e-9) + abs(value) * 1e-15
-        assert Decimals(4).text(float(text)) == text
-        assert not (text.startswith("-") and float(text) == 0.0)
-
-    @given(FLOATS)
-    def test_decimals_down_never_rise(self, value: float) -> None:
-        text = DecimalsDown(4).text(value)
-
-        assert value - 1.0001e-4 - abs(value) * 1e-15 <= float(text) <= value
-        assert DecimalsDown(4).text(float(text)) == text
-
-    @given(st.floats(min_value=1e-6, max_value=1e9))
-    def test_significant_digits_down_never_rise(self, value: float) -> None:
-        text = SignificantDown(6).text(value)
-
-        assert value * (1.0 - 1e-5) <= float(text) <= value
-        assert SignificantDown(6).text(float(text)) == text
-        assert "e" not in text.lower()
-
-    def test_a_limit_with_few_digits_stays_as_it_is(self) -> None:
-        assert SignificantDown(6).text(0.1) == "0.1"
-        assert DecimalsDown(4).text(2.3) == "2.3000"
-        assert DecimalsDown(4).text(-0.00001) == "-0.0001"
 
 
 class TestIdentity:

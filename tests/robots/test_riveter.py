@@ -200,7 +200,7 @@ def test_travel_is_measured_in_the_world_with_the_panel_turned(
     R = Chain(RIVETER, MOUNTING).T_world_panel(placed.q(0, 0))[:3, :3]
     along = R.T @ np.array([math.cos(angle), math.sin(angle), 0.7])
 
-    measured = travel_angle(RIVETER, MOUNTING, p - length * along, p, placed)
+    measured = travel_angle(MOUNTING, p - length * along, p, placed)
 
     assert measured is not None
     assert math.cos(measured - angle) == pytest.approx(1.0, abs=1e-9)
@@ -209,5 +209,5 @@ def test_travel_is_measured_in_the_world_with_the_panel_turned(
 def test_no_travel_across_the_tool_axis_has_no_direction() -> None:
     flat = Placement(3.97, 0.0, 0.0, 0.0, 0.0)
 
-    assert travel_angle(RIVETER, MOUNTING, (0, 0, 0), (0, 0, 0), flat) is None
-    assert travel_angle(RIVETER, MOUNTING, (0, 0, -0.1), (0, 0, 0), flat) is None
+    assert travel_angle(MOUNTING, (0, 0, 0), (0, 0, 0), flat) is None
+    assert travel_angle(MOUNTING, (0, 0, -0.1), (0, 0, 0), flat) is None

@@ -47,6 +47,14 @@ def test_flat_stack_is_exactly_the_sum_of_its_sheets(sheets: list[float], seed: 
         assert stack.grip == pytest.approx(sum(sheets), abs=1e-11)
 
 
+def test_a_piece_within_another_of_its_part_does_not_end_the_part() -> None:
+    (thick,), (first, thin) = layers(FLAT, [4e-3]), layers(FLAT, [1e-3, 1e-3])
+    part = Part("skin", "skin", np.concatenate([thick.pieces, thin.pieces, first.pieces]))
+
+    for stack in find_stacks((part,), *places(FLAT, 0)):
+        assert (stack.depth, stack.grip) == pytest.approx((4e-3, 4e-3), abs=1e-11)
+
+
 @settings(max_examples=40)
 @given(curved, thicknesses, st.integers(0, 2**31))
 def test_curved_stack_is_the_sum_within_the_chords(grid: Grid, sheets: list[float], seed: int) -> None:

@@ -56,6 +56,12 @@ def test_half_characters_are_refused_where_they_stand() -> None:
     text = rb'{"a": ["ok", "\ud800"], "b": {"\udfff": 1}, "c": "\ud83d\ude00"}'
 
     assert codes(text) == [("/a/1", "bad_text"), ("/b", "bad_text")]
+    for half in (rb"\uD800", rb"\uDbfF", rb"\udC00", rb"\uDFFF", rb"\\\uD9ab"):
+        assert codes(b'{"a": "' + half + b'"}') == [("/a", "bad_text")]
+
+
+def test_what_only_looks_like_half_a_character_is_text() -> None:
+    assert parse_document(rb'{"a": "\\ud800", "b": "\uD83D\uDE00"}') == {"a": r"\ud800", "b": "\U0001f600"}
 
 
 def test_nan_is_left_to_the_schema() -> None:

@@ -1,13 +1,19 @@
 """The verifier's kinematics against the formula of the machine, and its bound against brute force."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from planners.arrays import Array
+from robots.machine import ChainJoint
 from robots.machine_file import load_machine
-from robots.verify_kinematics import Kinematics, largest_arm
+from robots.proof.frames import bulge_and_travel, largest_arm, place
+from robots.proof.layout import AT_S0, AT_S1, AXIS, ORIGIN, POSE
+from robots.verify_kinematics import Kinematics
 
 MACHINE = load_machine("riveter")
 MOUNTING = np.eye(4)
@@ -46,9 +52,9 @@ def written_out(q: Array, link: str) -> Array:
 def test_poses_are_those_of_the_machine_written_out(link: str) -> None:
     q = np.random.default_rng(1).uniform(MACHINE.lower, MACHINE.upper, (200, 7))
 
-    frames = Kinematics.from_panel(MACHINE, MOUNTING).frames(link, q)
+    found = Kinematics.from_panel(MACHINE, MOUNTING).frames(link, q)
 
-    for one, R, t in zip(q, frames.R, frames.t, strict=True):
+    for one, R, t in zip(q, *found, strict=True):
         T = written_out(one, link)
         assert np.allclose(R, T[:3, :3], atol=1e-12)
         assert np.allclose(t, T[:3, 3], atol=1e-11)
@@ -58,12 +64,64 @@ def test_poses_are_those_of_the_machine_written_out(link: str) -> None:
 def test_seen_from_the_first_link_only_the_axes_beyond_it_count(link: str) -> None:
     q = np.random.default_rng(2).uniform(MACHINE.lower, MACHINE.upper, (50, 7))
 
-    frames = Kinematics.from_first_link(MACHINE).frames(link, q)
+    found = Kinematics.from_first_link(MACHINE).frames(link, q)
 
-    for one, R, t in zip(q, frames.R, frames.t, strict=True):
+    for one, R, t in zip(q, *found, strict=True):
         T = np.linalg.inv(written_out(one, "X")) @ written_out(one, link)
         assert np.allclose(R, T[:3, :3], atol=1e-12)
         assert np.allclose(t, T[:3, 3], atol=1e-11)
+
+
+def test_offsets_and_oblique_axes_of_a_machine_count() -> None:
+    """A chain as no machine of ours has it: the poses are those of the definition, step by step."""
+    rng = np.random.default_rng(6)
+
+    def moved_away(chain: tuple[ChainJoint, ...]) -> tuple[ChainJoint, ...]:
+        return tuple(ChainJoint(joint.axis, rng.normal(size=3)) for joint in chain)
+
+    unit = rng.normal(size=(7, 3))
+    unit /= np.linalg.norm(unit, axis=1, keepdims=True)
+    machine = replace(
+        MACHINE,
+        axes=tuple(replace(axis, direction=d) for axis, d in zip(MACHINE.axes, unit, strict=True)),
+        panel_chain=moved_away(MACHINE.panel_chain),
+        tool_chain=moved_away(MACHINE.tool_chain),
+        T_world_gantry=translation(1.0, 2.0, 3.0) @ rotation(0, 0.3) @ rotation(2, 0.4),
+    )
+    mounting = translation(0.1, -0.2, 0.3) @ rotation(1, 0.5)
+    q = rng.uniform(-0.5, 0.5, 7)
+
+    def step(joint: ChainJoint) -> Array:
+        i = machine.index(joint.axis)
+        motion = np.eye(4)
+        if machine.axes[i].kind == "prismatic":
+            motion[:3, 3] = q[i] * unit[i]
+        else:
+            motion[:3, :3] = Rotation.from_rotvec(q[i] * unit[i]).as_matrix()
+        found: Array = translation(*joint.offset) @ motion
+        return found
+
+    T_world_panel = machine.T_world_gantry
+    for joint in machine.panel_chain:
+        T_world_panel = T_world_panel @ step(joint)
+    expected = np.linalg.inv(T_world_panel @ mounting)
+    for joint in machine.tool_chain:
+        expected = expected @ step(joint)
+        R, t = Kinematics.from_panel(machine, mounting).frames(joint.axis, q[None])
+        assert np.allclose(R[0], expected[:3, :3], atol=1e-12)
+        assert np.allclose(t[0], expected[:3, 3], atol=1e-12)
+
+
+def bounds(
+    kinematics: Kinematics, link: str, q0: Array, q1: Array, center: Array, radius: float, share: float = 1.0
+) -> tuple[float, float]:
+    """The bounds of bulge and travel on the way from q0 to q1, which is so large a share of a block."""
+    P = np.zeros((3, len(kinematics.joints), POSE))
+    for at, q in ((AT_S0, q0), (AT_S1, q1)):
+        place(kinematics.joints, len(kinematics.joints), q, q, 0.0, P, at)
+    own, row, dq = len(kinematics.joints), kinematics.rows[link], (q1 - q0) / share
+    x, y, z = center.tolist()
+    return bulge_and_travel(kinematics.joints, own, row, dq, share, P, x, y, z, radius)
 
 
 def moved(
@@ -75,15 +133,13 @@ def moved(
     around = rng.normal(size=(40, 3))
     around[:6] = np.vstack([np.eye(3), -np.eye(3)])
     points = center + radius * around / np.linalg.norm(around, axis=1, keepdims=True)
-    frames = kinematics.frames(link, q0 + GRID[:, None] * (q1 - q0))
-    y = np.einsum("nij,pj->npi", frames.R, points) + frames.t[:, None, :]
+    R, t = kinematics.frames(link, q0 + GRID[:, None] * (q1 - q0))
+    y = np.einsum("nij,pj->npi", R, points) + t[:, None, :]
     chord = y[0] + GRID[:, None, None] * (y[-1] - y[0])
     shown_bulge = float(np.linalg.norm(y - chord, axis=2).max())
     shown_travel = float(np.linalg.norm(y[:, None] - y[None], axis=3).max())
-    start, end = (kinematics.frames(link, q[None]) for q in (q0, q1))
-    ball = (center[None], np.array([radius]))
-    bulge, travel = kinematics.bulge(link, (q1 - q0)[None], start, end, ball)
-    return shown_bulge, float(bulge[0]), shown_travel, float(travel[0])
+    bulge, travel = bounds(kinematics, link, q0, q1, center, radius)
+    return shown_bulge, bulge, shown_travel, travel
 
 
 @given(
@@ -200,17 +256,20 @@ ARMS = {
 def test_no_point_is_farther_from_an_axis_than_the_largest_arm(where: str) -> None:
     link, joint, q0, q1, center, radius = ARMS[where]
     kinematics = Kinematics.from_panel(MACHINE, MOUNTING)
-    q = q0 + GRID[:, None] * (q1 - q0)
-    frames = kinematics.frames(link, q)
-    place = np.einsum("nij,j->ni", frames.R, center) + frames.t - frames.origins[joint]
-    arms = np.linalg.norm(np.cross(place, frames.axes[joint]), axis=1) + radius
-    start, end = (kinematics.frames(link, one[None]) for one in (q0, q1))
-    still = q1 - q0
-    still[3:5] = 0.0  # what moves beyond the panel's own turns
-    ball = (center[None], np.array([radius]))
-    _, travel = kinematics.bulge(link, still[None], start, end, ball)
+    row = kinematics.rows[link]
+    P = np.zeros((len(GRID), len(kinematics.joints), POSE))
+    for at, s in enumerate(GRID):
+        place(kinematics.joints, len(kinematics.joints), q0, q1 - q0, s, P, at)
+    points = np.einsum("nij,j->ni", P[:, row, :9].reshape(-1, 3, 3), center) + P[:, row, 9:12]
+    to_axis = points - P[:, joint, ORIGIN : ORIGIN + 3]
+    arms = np.linalg.norm(np.cross(to_axis, P[:, joint, AXIS : AXIS + 3]), axis=1) + radius
+    still = q1.copy()
+    still[3:5] = q0[3:5]  # what moves beyond the panel's own turns
+    _, travel = bounds(kinematics, link, q0, still, center, radius)
 
-    bound = largest_arm(joint, start, end, ball, travel)[0]
+    x, y, z = center.tolist()
+
+    bound = largest_arm(P[[0, -1]], row, joint, x, y, z, radius, travel)
 
     assert bound >= arms.max() - 1e-12
     assert bound <= 2.2 * arms.max()
@@ -218,10 +277,35 @@ def test_no_point_is_farther_from_an_axis_than_the_largest_arm(where: str) -> No
 
 def test_seen_from_the_first_link_a_lift_travels_its_length() -> None:
     kinematics = Kinematics.from_first_link(MACHINE)
-    q0, q1 = configuration(), configuration(X=6.5, W=0.3)
-    start, end = (kinematics.frames("W", q[None]) for q in (q0, q1))
 
-    bulge, travel = kinematics.bulge("W", (q1 - q0)[None], start, end, (FAR[None], np.array([0.1])))
+    bulge, travel = bounds(kinematics, "W", configuration(), configuration(X=6.5, W=0.3), FAR, 0.1)
 
-    assert bulge[0] == 0.0
-    assert travel[0] == pytest.approx(0.3)
+    assert bulge == 0.0
+    assert travel == pytest.approx(0.3)
+
+
+def test_a_share_of_a_block_has_the_bounds_of_a_block_that_short() -> None:
+    kinematics = Kinematics.from_panel(MACHINE, MOUNTING)
+    q0, q1 = configuration(A=0.1, C=-0.4), configuration(Y=0.2, A=0.3, B=0.1, W=0.2, C=0.5)
+
+    assert bounds(kinematics, "C", q0, q1, FAR, 0.1, share=0.125) == pytest.approx(
+        bounds(kinematics, "C", q0, q1, FAR, 0.1), rel=1e-12
+    )
+
+
+def test_the_second_chain_is_placed_from_its_own_base() -> None:
+    """Both chains in one array, as a scene has them: the same poses and bounds as each alone."""
+    first, second = Kinematics.from_panel(MACHINE, MOUNTING), Kinematics.from_first_link(MACHINE)
+    joints, own = np.vstack([first.joints, second.joints]), len(first.joints)
+    q0, q1 = configuration(A=0.3, W=0.1, C=0.5), configuration(Y=0.2, A=0.2, W=0.2, C=1.5)
+    P = np.zeros((3, len(joints), POSE))
+    place(joints, own, q0, q1 - q0, 0.0, P, AT_S0)
+    place(joints, own, q0, q1 - q0, 1.0, P, AT_S1)
+
+    for kinematics, base in ((first, 0), (second, own)):
+        row = base + kinematics.rows["C"]
+        R, t = kinematics.frames("C", q1[None])
+        assert np.allclose(P[AT_S1, row, :9].reshape(3, 3), R[0], atol=1e-12)
+        assert np.allclose(P[AT_S1, row, 9:12], t[0], atol=1e-12)
+        found = bulge_and_travel(joints, own, row, q1 - q0, 1.0, P, 0.1, 0.2, -0.3, 0.05)
+        assert found == pytest.approx(bounds(kinematics, "C", q0, q1, np.array([0.1, 0.2, -0.3]), 0.05))

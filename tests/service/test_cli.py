@@ -1,5 +1,6 @@
 """The command line as a user meets it: a process, its exit code, what it prints and what it leaves behind."""
 
+import hashlib
 import json
 import re
 import socket
@@ -115,6 +116,51 @@ def test_program_is_written_and_nothing_else(crossing_run: CrossingRun) -> None:
     assert list(directory.iterdir()) == [crossing_run.program]
     assert re.search(r"installed\W+12 ", result.stdout)
     assert "clean" in result.stdout
+
+
+def test_escapes_are_written_and_an_input_of_the_next_program(
+    crossing_run: CrossingRun, tmp_path: Path
+) -> None:
+    plan: tuple[str | Path, ...] = ("plan", CROSSING, "--seed", "7", "--quiet", "--escapes", "family.json")
+
+    first = rivetplan(*plan, "--out", "first.json", cwd=tmp_path)
+    written = (tmp_path / "family.json").read_bytes()
+    second = rivetplan(*plan, "--out", "second.json", cwd=tmp_path)
+    verified = rivetplan("verify", "second.json", CROSSING, cwd=tmp_path)
+
+    assert (first.returncode, second.returncode, verified.returncode) == (0, 0, 0)
+    assert (tmp_path / "first.json").read_bytes() == crossing_run.program.read_bytes()
+    program = json.loads((tmp_path / "second.json").read_bytes())
+    assert program["header"]["inputs"]["escapes"] == {
+        "id": "crossing",
+        "sha256": hashlib.sha256(written).hexdigest(),
+    }
+    assert program["summary"]["links"]["planned"] == 0
+    assert program["summary"]["links"]["reused"] > 0
+
+
+def test_escapes_that_cannot_be_used_are_told_and_stay_as_they_are(tmp_path: Path) -> None:
+    file = tmp_path / "family.json"
+    machine = {"id": "mill", "kinematics_sha256": "0"}
+    units = {"length": "mm", "angle": "deg", "time": "s"}
+    text = json.dumps({"id": "x", "schema_version": "1.0", "units": units, "machine": machine, "dies": []})
+    file.write_text(text)
+
+    (line,) = lines_of_refusal(rivetplan("plan", CROSSING, "--escapes", file, cwd=tmp_path))
+
+    assert line.startswith(f"{file}#/machine/id: ")
+    assert "mill" in line
+    assert "riveter" in line
+    assert file.read_text() == text
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_escapes_do_not_replace_another_file(tmp_path: Path) -> None:
+    panel = changed_crossing(tmp_path)
+
+    (line,) = lines_of_refusal(rivetplan("plan", panel, "--escapes", panel, cwd=tmp_path))
+
+    assert "would replace the panel" in line
 
 
 def test_program_is_verified_from_its_file(crossing_run: CrossingRun, tmp_path: Path) -> None:

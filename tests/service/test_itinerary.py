@@ -245,11 +245,11 @@ def test_a_run_is_cancelled_while_it_searches() -> None:
 
     def stop() -> bool:
         asked.append(1)
-        return len(asked) > 4
+        return len(asked) > 2
 
     with pytest.raises(Cancelled):
         plan_run(where, where.panel, [6, 10], None, "heuristics", 0, stop)
-    assert len(asked) == 5
+    assert len(asked) == 3
 
 
 @pytest.mark.long

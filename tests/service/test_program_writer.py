@@ -9,7 +9,7 @@ import pytest
 from planners.detector import never
 from robots.machine import Machine
 from robots.nc import NcProgram
-from robots.nc_json import from_json, to_json
+from robots.nc_json import from_json, rounded, to_json
 from robots.riveter import OutOfLimits
 from robots.stations import Refusal
 from service.die_pass import Stop
@@ -177,6 +177,7 @@ def test_header_binds_the_inputs_and_the_seed(program: NcProgram) -> None:
 def test_the_program_reads_back_as_it_is(program: NcProgram) -> None:
     """Numbers are rounded when they are written: nothing is lost on the way through the file."""
     assert from_json(to_json(program)) == program
+    assert rounded(program) is program
     assert json.loads(to_json(program))["summary"]["counts"]["total"] == 16
 
 

@@ -1,0 +1,47 @@
+"""How long a straight block takes from rest to rest: what smoothing makes small.
+
+The same profile as `retiming.exact_stop`, but only its duration, in closed form and compiled.
+"""
+
+from __future__ import annotations
+
+import math
+
+from planners.arrays import Array
+from planners.compiled import compiled
+
+
+@compiled
+def block_time(a: Array, b: Array, limits: Array) -> float:
+    """Duration [s] of the block from `a` to `b`, (n,) each, at an exact stop on either side.
+
+    limits: (3, n), each axis's largest speed, acceleration and jerk in its unit; acceleration and jerk may be
+    infinite.
+    """
+    v = acceleration = jerk = math.inf
+    for i in range(len(a)):
+        move = abs(b[i] - a[i])
+        if move > 0.0:
+            v = min(v, limits[0, i] / move)
+            acceleration = min(acceleration, limits[1, i] / move)
+            jerk = min(jerk, limits[2, i] / move)
+    return 0.0 if v == math.inf else _rest_to_rest(v, acceleration, jerk)
+
+
+@compiled
+def _rest_to_rest(v: float, a: float, j: float) -> float:
+    """Duration [s] of a move of length 1 with limits [1/s], [1/s^2], [1/s^3] (Biagiotti and Melchiorri 2008,
+    section 3.4).
+    """
+    if a == math.inf and j == math.inf:
+        return 1.0 / v
+    turning = (0.5 / j) ** (1.0 / 3.0)  # of the jerk, with no other limit
+    ramp = a / j
+    if j * turning <= a:
+        fastest = j * turning * turning
+    else:
+        fastest = 0.5 * a * (math.sqrt(ramp * ramp + 4.0 / a) - ramp)
+    peak = min(v, fastest)
+    speeding_up = ramp + peak / a if peak >= a * ramp else 2.0 * math.sqrt(peak / j)
+    duration: float = 1.0 / peak + speeding_up
+    return duration
