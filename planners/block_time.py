@@ -35,10 +35,9 @@ def _rest_to_rest(v: float, a: float, j: float) -> float:
     """
     if a == math.inf and j == math.inf:
         return 1.0 / v
-    turning = (0.5 / j) ** (1.0 / 3.0)  # of the jerk, with no other limit
     ramp = a / j
-    if j * turning <= a:
-        fastest = j * turning * turning
+    if 0.5 * j * j <= a * a * a:  # halfway before the acceleration limit is reached
+        fastest = 0.5 ** (2.0 / 3.0) * j ** (1.0 / 3.0)
     else:
         fastest = 0.5 * a * (math.sqrt(ramp * ramp + 4.0 / a) - ramp)
     peak = min(v, fastest)

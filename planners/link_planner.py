@@ -48,11 +48,14 @@ class LinkPlanner:
         rng: RandomSource,
         stop: Stop = never,
         name: str | None = None,
+        *,
+        blocked: bool = False,
     ) -> PlanResult:
         """Plan from `start` to `goal`, shape (n,) each.
 
         where: the link's place, (k,) or (2, k), by which escapes are recalled. name: under which its escape
-        is remembered (say the fastener's id); None takes a running number.
+        is remembered (say the fastener's id); None takes a running number. blocked: the direct edge is known
+        not to be free, see `direct`, and is not asked again.
 
         The answer's `origin` is "direct", "reused:<name>", "planned" by the first engine in the first region,
         or "fallback" by a later one. Its counts are those of the engine that answered, plus the detections of
@@ -61,9 +64,10 @@ class LinkPlanner:
         """
         q0, qf = checked_ends(space, start, goal, self.settings)
         link = _Link(space, q0, qf, self.settings, stop)
-        straight = link.direct()
-        if straight.status is not PlanStatus.STOPPED:
-            return straight
+        if not blocked:
+            straight = link.direct()
+            if straight.status is not PlanStatus.STOPPED:
+                return straight
         settings = self.settings
         recalled = self.escapes.recall(where, qf - q0, settings.weights, settings.escapes_tried)
         result = link.search(recalled, rng)

@@ -15,6 +15,9 @@ from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
 from planners.settings import PlannerSettings
 from planners.smoothing import smooth
 
+_FEW = 6
+"""Configurations that smoothing by time thins out by itself, one at a time: most replayed escapes."""
+
 
 def unsafe_end(detector: Detector, start: Array, goal: Array) -> PlanResult | None:
     """The answer when start or goal is no safe configuration, else None (Graux 1992: q0 and qf must be safe).
@@ -50,13 +53,16 @@ def found(
     """
     begin = perf_counter()
     smoother = detector.with_limit(settings.smoothing_detections)
-    path = Path(quickened(smoother, smooth(smoother, record, saddles), settings))
+    fewer = record if len(record) <= _FEW else smooth(smoother, record, saddles)
+    quickener = detector.with_limit(settings.quickening_detections)
+    path = Path(quickened(quickener, fewer, settings))
     smoother.raise_error()
+    quickener.raise_error()
     times = PlanTimes(seconds, detector.seconds, perf_counter() - begin)
     counts = replace(
         counts,
         detections=detector.detections,
-        smoothing_detections=smoother.detections,
+        smoothing_detections=smoother.detections + quickener.detections,
         after_smoothing=len(path),
     )
     return PlanResult(PlanStatus.SUCCESS, path, Path(record), counts, times, origin)

@@ -120,21 +120,33 @@ def _drawn(work: Quickening, i: int, count: int, axis: int, towards: int, worth:
     way = path[towards, axis] - path[i if towards < i else i + count - 1, axis]
     if way == 0.0:
         return False
-    for fraction in _FRACTIONS:
-        before = after = 0.0
-        for k in range(count + 2):
-            copy(path[i - 1 + k], trial[k])
-            if 0 < k <= count:
-                trial[k, axis] += fraction * way
-        for k in range(count + 1):
+    before = 0.0
+    for k in range(count + 2):
+        copy(path[i - 1 + k], trial[k])
+        if k <= count:
             before += work.times[i - 1 + k]
-            after += block_time(trial[k], trial[k + 1], work.limits)
+    # Where a little is not quicker, more is not either: on most axes, for another one takes longest.
+    if _time_when_moved(work, i, count, axis, _FRACTIONS[-1] * way) >= before:
+        return False
+    for fraction in _FRACTIONS:
+        after = _time_when_moved(work, i, count, axis, fraction * way)
         if after <= before - worth and _is_free(work, count):
             for k in range(count + 1):
                 copy(trial[k], path[i - 1 + k])
                 work.times[i - 1 + k] = block_time(trial[k], trial[k + 1], work.limits)
             return True
     return False
+
+
+@compiled
+def _time_when_moved(work: Quickening, i: int, count: int, axis: int, shift: float) -> float:
+    """Time [s] of the trial's blocks with `count` waypoints from `i` on moved by `shift` on one axis."""
+    time = 0.0
+    for k in range(1, count + 1):
+        work.trial[k, axis] = work.path[i - 1 + k, axis] + shift
+    for k in range(count + 1):
+        time += block_time(work.trial[k], work.trial[k + 1], work.limits)
+    return time
 
 
 @compiled

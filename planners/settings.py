@@ -68,7 +68,8 @@ class PlannerSettings:
     max_detections: int = 20_000  # one search, or one link with all its engines: some seconds at 0.1 ms each
     engine_detections: int = 600  # one engine in the first region; most hard links need 150 to 550
     smoothing_detections: int = 400  # a path of 400 configurations smooths in about half of it
-    smoothing_gain: float = 0.02  # of the path's time: a pass that gains less is the last one
+    quickening_detections: int = 60  # smoothing by time; half of the hard links end it by themselves before
+    smoothing_gain: float = 0.05  # of the path's time: a pass that gains less is the last one
 
     # Escapes. Few are tried, because each try costs some detections and the nearest ones fit or none does.
     escapes_tried: int = 4  # [escapes]
@@ -92,6 +93,7 @@ class PlannerSettings:
             "walk_limit",
             "max_detections",
             "smoothing_detections",
+            "quickening_detections",
             "escapes_tried",
             "escape_detections",
         ):

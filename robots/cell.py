@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
-from planners.arrays import Array, frozen
+from planners.arrays import Array
 from planners.space import Space
 from robots.assembly import Assembly, Pair, assembled
 from robots.buried import BuriedTest
@@ -43,9 +43,6 @@ clearance.
 
 
 Checker = Literal["kernel", "coal"]
-
-_TIPS_KEPT = 8
-"""Where one link ends the next one begins."""
 
 CLEARANCE_CAP = 0.050
 """[m] Larger clearances are not told apart."""
@@ -88,7 +85,6 @@ class Cell:
         self.near = self._needs(self.open, near_fastener=True)
         self.near_clamped = self._needs(self.clamped, near_fastener=True)
         self.tip_pair = self.open.pairs.index(Pair(TIP, PANEL, of_die=True))
-        self._tips: dict[bytes, Array] = {}
 
     def _needs(self, assembly: Assembly, *, near_fastener: bool) -> list[float]:
         """Clearance of every pair [m]; only the die may come nearer at a fastener, and only to the panel."""
@@ -145,24 +141,17 @@ class Cell:
         return Chain(self.machine, self.panel.mounting)
 
     def tip_at(self, q: Array) -> Array:
-        """The die tip at `q` in the panel frame, shape (3,), [m], read-only."""
-        key = q.tobytes()
-        tip = self._tips.get(key)
-        if tip is None:
-            if len(self._tips) == _TIPS_KEPT:
-                self._tips.clear()
-            tip = self._tips[key] = frozen(self._chain.placement(q, self.machine.die_link)[:3, 3])
-        return tip
+        """The die tip at `q` in the panel frame, shape (3,), [m]."""
+        return self._chain.placement(q, self.machine.die_link)[:3, 3]
 
     def link_space(self, anchors: Sequence[Array]) -> CertifiedSpace:
         """The Space of a link whose open poses are `anchors`, each (n,)."""
-        tips = [self.tip_at(q) for q in anchors]
         if self.checker == "coal":
-            return LinkSpace(self, tips)
+            return LinkSpace(self, [self.tip_at(q) for q in anchors])
         # Imported when first used: commands that plan nothing need not wait for the compiled kernel to load.
-        from robots.kernel.space import KernelSpace
+        from robots.kernel.space import KernelSpace, tips_at
 
-        return KernelSpace(self._flat, self.machine.lower, self.machine.upper, tips)
+        return KernelSpace(self._flat, self.machine.lower, self.machine.upper, tips_at(self._flat, anchors))
 
     @cached_property
     def _flat(self) -> FlatCell:

@@ -77,7 +77,7 @@ class LinkFinder:
             under = self._under_the_work(space, start, goal, stop)
             if under is not None:
                 return under
-        return self._search(space, start.opened, goal.opened, goal, stop)
+        return self._search(space, start.opened, goal.opened, goal, stop, blocked=True)
 
     def from_home(self, goal: Station, stop: Callable[[], bool]) -> Link:
         """From the machine's home to the open pose of the first fastener."""
@@ -158,15 +158,22 @@ class LinkFinder:
         return below
 
     def _search(
-        self, space: CertifiedSpace, start: Array, goal: Array, at: Station, stop: Callable[[], bool]
+        self,
+        space: CertifiedSpace,
+        start: Array,
+        goal: Array,
+        at: Station,
+        stop: Callable[[], bool],
+        *,
+        blocked: bool = False,
     ) -> Link:
         def rng() -> np.random.Generator:
             return self._rng(start, goal)
 
         where, name = surroundings_of(self._cell).of_link(start, goal), at.fastener.id
-        result = self._planner.plan(space, start, goal, where, rng, stop, name)
+        result = self._planner.plan(space, start, goal, where, rng, stop, name, blocked=blocked)
         if result.status is PlanStatus.STOPPED and self._unguided is not None:
-            result = self._unguided.plan(space, start, goal, where, rng, stop, name)
+            result = self._unguided.plan(space, start, goal, where, rng, stop, name, blocked=blocked)
         if not result.ok:
             return Link(result, frozen(start[None]), self._in_the_way(space, start, goal))
         return Link(result, _as_programmed(result.path))

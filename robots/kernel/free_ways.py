@@ -28,8 +28,7 @@ def free_ways(
             if not _box_is_near(lower, upper, piece, origins, k, farthest):
                 continue
             for j in range(directions.shape[1]):
-                way = _way_to_piece(normals, offsets, piece, origins, k, directions, j)
-                free[k, j] = min(free[k, j], way)
+                free[k, j] = _way_to_piece(normals, offsets, piece, origins, k, directions, j, free[k, j])
 
 
 @compiled
@@ -43,10 +42,10 @@ def _box_is_near(lower: Array, upper: Array, piece: int, origins: Array, k: int,
 
 @compiled
 def _way_to_piece(
-    normals: Array, offsets: Array, piece: int, origins: Array, k: int, directions: Array, j: int
+    normals: Array, offsets: Array, piece: int, origins: Array, k: int, directions: Array, j: int, most: float
 ) -> float:
-    """Where the ray enters the piece; infinite where it does not."""
-    enter, leave = 0.0, float("inf")
+    """Where the ray enters the piece, `most` where it does not or only farther on."""
+    enter, leave = 0.0, most
     for face in range(6):
         slope = height = 0.0
         for i in range(3):
@@ -58,5 +57,7 @@ def _way_to_piece(
         elif slope > 0.0:
             leave = min(leave, room / slope)
         elif room < 0.0:
-            return float("inf")
-    return enter if leave >= enter else float("inf")
+            return most
+        if enter > leave:
+            return most
+    return enter

@@ -118,3 +118,15 @@ def bound(solids: Array, kinds: Ints, s: int, poses: Array, row: int) -> None:
                 + abs(r1) * solids[s, OWN_HALF + 1]
                 + abs(r2) * solids[s, OWN_HALF + 2]
             )
+
+
+@compiled_on_views
+def die_tips(machine: Array, poses: Array, frames: Array, tips: Array) -> None:
+    """Write where the die's tip is at `poses` (P, 7) into `tips` (P, 3), panel frame [m].
+
+    frames (6, 12): work space.
+    """
+    for p in range(len(poses)):
+        place_links(machine, poses[p], frames, 0)
+        for i in range(3):
+            tips[p, i] = frames[LINK_C, POSE_T + i]

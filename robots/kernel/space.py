@@ -13,11 +13,14 @@ from planners.native import NativeSpace
 from robots.kernel.callable import Handle
 from robots.kernel.edge import ADVANCE, PATH, POLICY, POSE, ask
 from robots.kernel.flat import FlatCell, pack
+from robots.kernel.layout import MACHINE
+from robots.kernel.poses import die_tips
 from robots.kernel.work import new_blocks
 
 if TYPE_CHECKING:  # the cell offers this Space, so it is the one to import the other
     from robots.cell import Cell
 
+_AXES = 7
 _CLEARANCE_CAP = 0.050
 _CLEARANCE_STEP = 0.0001
 
@@ -42,6 +45,13 @@ def flat_cell(cell: Cell, margin: float) -> FlatCell:
     )
 
 
+def tips_at(flat: FlatCell, poses: Sequence[Array]) -> Array:
+    """The die tips (P, 3) at `poses`, each (7,), in the panel frame [m]."""
+    rows, tips = np.array(poses, dtype=np.float64).reshape(-1, _AXES), np.empty((len(poses), 3))
+    die_tips(flat.numbers[:MACHINE], rows, np.empty((6, 12)), tips)
+    return tips
+
+
 class KernelSpace:
     """Space of one link: transit clearance, and the smaller one near the open poses at both ends.
 
@@ -50,7 +60,7 @@ class KernelSpace:
     it was asked, for the tables: `edges`. One thread at a time may ask one Space.
     """
 
-    def __init__(self, flat: FlatCell, lower: Array, upper: Array, anchors: Sequence[Array]) -> None:
+    def __init__(self, flat: FlatCell, lower: Array, upper: Array, anchors: Sequence[Array] | Array) -> None:
         self._numbers, self._indices = flat
         self._work = new_blocks(self._indices)
         self._anchors = np.array(anchors, dtype=np.float64).reshape(-1, 3)

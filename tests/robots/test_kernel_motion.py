@@ -9,6 +9,7 @@ from robots.kernel.layout import MACHINE as MACHINE_ROW
 from robots.kernel.layout import PIECES, POSE_T, SOLIDS, Ints
 from robots.kernel.motion import motion_of_pairs
 from robots.kernel.poses import place_links
+from robots.kernel.space import tips_at
 from tests.robots.test_cell import MACHINE, cell
 from tests.robots.test_kernel import DIES, flat
 
@@ -24,6 +25,17 @@ def test_the_compiled_motion_bound_is_the_motion_bound(die: str) -> None:
         b[keep] = a[keep]
         motion_of_pairs(*views, a, b, motion, np.empty_like(motion))
         assert motion[: len(where.open.pairs)] == pytest.approx(where.bound(a, b), rel=1e-13, abs=1e-15)
+
+
+@pytest.mark.parametrize("die", DIES)
+def test_the_anchors_of_a_link_are_the_tips_at_its_poses(die: str) -> None:
+    where = cell(die)
+    poses = list(np.random.default_rng(43).uniform(MACHINE.lower, MACHINE.upper, (20, 7)))
+
+    tips = tips_at(flat(die), poses)
+
+    assert tips == pytest.approx(np.array([where.tip_at(q) for q in poses]), abs=1e-12)
+    assert tips_at(flat(die), []).shape == (0, 3)
 
 
 def test_links_are_where_the_chain_of_the_definition_puts_them() -> None:
