@@ -213,7 +213,7 @@ def test_stop_raises_cancelled_at_once_and_on_the_way() -> None:
 
         with pytest.raises(Cancelled):
             program_panel(MIXED, MACHINE, [MACHINE.dies["straight"]], stop=stop)
-        assert after < len(asked) <= after + 2  # what is found already is smoothed no further, then all ends
+        assert after < len(asked) <= after + 3  # what is found already is smoothed no further, then all ends
 
 
 def test_workers_are_stopped_with_the_crew() -> None:
