@@ -52,17 +52,23 @@ def found(
     detections are added here. seconds: search time.
     """
     begin = perf_counter()
-    smoother = detector.with_limit(settings.smoothing_detections)
-    fewer = record if len(record) <= _FEW else smooth(smoother, record, saddles)
-    quickener = detector.with_limit(settings.quickening_detections)
-    path = Path(quickened(quickener, fewer, settings))
-    smoother.raise_error()
-    quickener.raise_error()
+    detections, fewer = 0, record
+    if len(record) > _FEW:
+        smoother = detector.with_limit(settings.smoothing_detections)
+        fewer = smooth(smoother, record, saddles)
+        smoother.raise_error()
+        detections += smoother.detections
+    if len(fewer) > 2:
+        quickener = detector.with_limit(settings.quickening_detections)
+        fewer = quickened(quickener, fewer, settings)
+        quickener.raise_error()
+        detections += quickener.detections
+    path = Path(fewer)
     times = PlanTimes(seconds, detector.seconds, perf_counter() - begin)
     counts = replace(
         counts,
         detections=detector.detections,
-        smoothing_detections=smoother.detections + quickener.detections,
+        smoothing_detections=detections,
         after_smoothing=len(path),
     )
     return PlanResult(PlanStatus.SUCCESS, path, Path(record), counts, times, origin)

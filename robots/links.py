@@ -155,7 +155,7 @@ class LinkFinder:
         machine = self._cell.machine
         below = np.array(q)
         below[machine.index("W")] = machine.axis("W").lower
-        return below
+        return NcAxes.of(below).q
 
     def _search(
         self,
@@ -206,7 +206,9 @@ def _reversed(link: Link) -> Link:
 
 
 def _as_programmed(path: Path) -> Array:
-    return frozen([NcAxes.of(q).q for q in path.configurations])
+    """The waypoints with the program's digits, which the ends have already."""
+    between = [NcAxes.of(q).q for q in path.configurations[1:-1]]
+    return frozen([path.start, *between, path.goal])
 
 
 def is_cancelled(link: Link) -> bool:
