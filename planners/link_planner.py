@@ -167,7 +167,7 @@ class _Link:
             for engine in ENGINES:
                 if self._left <= 0:
                     return
-                settings = replace(self.settings, max_detections=min(budget, self._left))
+                settings = self.settings.with_budget(min(budget, self._left))
                 result = engine(region, self.start, self.goal, settings, source, self.stop)
                 yield result if first or not result.ok else replace(result, origin="fallback")
                 first = False

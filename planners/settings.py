@@ -1,5 +1,8 @@
 """Settings of the planners: every field with its default, unit and reason."""
 
+from __future__ import annotations
+
+import copy
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -68,7 +71,7 @@ class PlannerSettings:
     max_detections: int = 20_000  # one search, or one link with all its engines: some seconds at 0.1 ms each
     engine_detections: int = 600  # one engine in the first region; most hard links need 150 to 550
     smoothing_detections: int = 400  # a path of 400 configurations smooths in about half of it
-    quickening_detections: int = 60  # smoothing by time; half of the hard links end it by themselves before
+    quickening_detections: int = 40  # smoothing by time; half of the hard links end it by themselves before
     smoothing_gain: float = 0.05  # of the path's time: a pass that gains less is the last one
 
     # Escapes. Few are tried, because each try costs some detections and the nearest ones fit or none does.
@@ -101,6 +104,12 @@ class PlannerSettings:
         for name in ("region_margin", "branch_reach", "smoothing_gain"):
             _require(name, getattr(self, name), getattr(self, name) > 0.0, "above 0")
         _require("region_growth", self.region_growth, self.region_growth > 1.0, "above 1")
+
+    def with_budget(self, detections: int) -> PlannerSettings:
+        """The same settings with another `max_detections`; what is derived from them is not derived anew."""
+        other = copy.copy(self)
+        object.__setattr__(other, "max_detections", detections)
+        return other
 
     @cached_property
     def steps(self) -> Array:

@@ -37,7 +37,7 @@ links of the example panels.
 _BLOCK = 0.5
 """[m] Poses in one cube of this size share the pieces that are looked at first."""
 _REACH = FARTHEST + max(DEPTHS)
-_ANGLES = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+_DEPTHS = np.array(DEPTHS)
 _DIGITS = 4
 """0.1 mm: what differs by rounding errors is the same place."""
 
@@ -84,10 +84,8 @@ class Surroundings:
         where the die reaches to, (2,), nothing for a die that is the same from all sides.
         """
         T, C = self._chain.placement(q, self._link), q[-1]
-        directions = T[:3, :2] @ [np.cos(_ANGLES - C), np.sin(_ANGLES - C)]
-        origins = T[:3, 3] - np.multiply.outer(DEPTHS, T[:3, 2])
         free = np.empty((len(DEPTHS), DIRECTIONS))
-        free_ways(*self._pieces_about(origins[0]), origins, directions, FARTHEST, free)
+        free_ways(*self._pieces_about(T[:3, 3]), T, -C, _DEPTHS, FARTHEST, free)
         return joined(free.ravel(), self._reach * np.array([np.cos(C), np.sin(C)]))
 
     def _pieces_about(self, origin: Array) -> _Pieces:

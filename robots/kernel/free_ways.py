@@ -1,6 +1,10 @@
-"""How far it is from a point to the panel's pieces, in given directions."""
+"""How far it is from the tool axis to the panel's pieces, in directions round it."""
 
 from __future__ import annotations
+
+import math
+
+import numpy as np
 
 from planners.arrays import Array
 from planners.compiled import compiled
@@ -12,22 +16,33 @@ def free_ways(
     upper: Array,
     normals: Array,
     offsets: Array,
-    origins: Array,
-    directions: Array,
+    T: Array,
+    first: float,
+    depths: Array,
     farthest: float,
     free: Array,
 ) -> None:
-    """Write the free way [m] from every origin (d, 3) in every direction (3, r) into `free` (d, r), at most
-    `farthest`; 0 inside a piece.
+    """Write the free ways [m], at most `farthest`, into `free` (d, r); 0 inside a piece.
+
+    They begin at each of `depths` (d,) [m] below the origin of the frame T (4, 4) and lead in r directions
+    evenly round its z axis, the first one at the angle `first` [rad] from its x axis.
 
     The pieces: corners of their boxes, (H, 3) each, outward normals (H, 6, 3) and offsets (H, 6).
     """
+    count = free.shape[1]
+    origins, directions = np.empty((len(depths), 3)), np.empty((3, count))
+    for i in range(3):
+        for k in range(len(depths)):
+            origins[k, i] = T[i, 3] - depths[k] * T[i, 2]
+        for j in range(count):
+            angle = first + 2.0 * math.pi * j / count
+            directions[i, j] = T[i, 0] * math.cos(angle) + T[i, 1] * math.sin(angle)
     free[:, :] = farthest
     for piece in range(len(lower)):
         for k in range(len(origins)):
             if not _box_is_near(lower, upper, piece, origins, k, farthest):
                 continue
-            for j in range(directions.shape[1]):
+            for j in range(count):
                 free[k, j] = _way_to_piece(normals, offsets, piece, origins, k, directions, j, free[k, j])
 
 
