@@ -3,7 +3,7 @@
 from planners.arrays import Array, frozen
 from planners.detector import Detector, never
 from planners.errors import InvalidSetting, LimitExceeded, NotFinite, PlannerError, WrongShape
-from planners.escapes import Escape, EscapeArrays, EscapeLibrary
+from planners.escapes import Escape, EscapeLibrary
 from planners.link_planner import LinkPlanner
 from planners.native import NativeSpace, Stop
 from planners.path import Path
@@ -18,7 +18,6 @@ __all__ = [
     "AxisRule",
     "Detector",
     "Escape",
-    "EscapeArrays",
     "EscapeLibrary",
     "ExactStop",
     "InvalidSetting",

@@ -10,6 +10,11 @@ import math
 from planners.arrays import Array
 from planners.compiled import compiled
 
+Scaled = tuple[float, float, float]
+"""A block's largest speed, acceleration and jerk, its length taken as 1: [1/s], [1/s^2], [1/s^3]."""
+
+UNLIMITED: Scaled = (math.inf, math.inf, math.inf)
+
 
 @compiled
 def block_time(a: Array, b: Array, limits: Array) -> float:
@@ -18,14 +23,29 @@ def block_time(a: Array, b: Array, limits: Array) -> float:
     limits: (3, n), each axis's largest speed, acceleration and jerk in its unit; acceleration and jerk may be
     infinite.
     """
-    v = acceleration = jerk = math.inf
-    for i in range(len(a)):
-        move = abs(b[i] - a[i])
-        if move > 0.0:
-            v = min(v, limits[0, i] / move)
-            acceleration = min(acceleration, limits[1, i] / move)
-            jerk = min(jerk, limits[2, i] / move)
-    return 0.0 if v == math.inf else _rest_to_rest(v, acceleration, jerk)
+    scaled = UNLIMITED
+    for axis in range(len(a)):
+        scaled = limited(scaled, b[axis] - a[axis], limits, axis)
+    return duration(scaled)
+
+
+@compiled
+def limited(scaled: Scaled, move: float, limits: Array, axis: int) -> Scaled:
+    """The limits of a block that also moves this axis, by `move`."""
+    if move == 0.0:
+        return scaled
+    way = 1.0 / abs(move)
+    return (
+        min(scaled[0], limits[0, axis] * way),
+        min(scaled[1], limits[1, axis] * way),
+        min(scaled[2], limits[2, axis] * way),
+    )
+
+
+@compiled
+def duration(scaled: Scaled) -> float:
+    """Duration [s] of a block within these limits; 0 where nothing moves."""
+    return 0.0 if scaled[0] == math.inf else _rest_to_rest(*scaled)
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy as copy_of
 from typing import NamedTuple
 
 import numpy as np
@@ -77,8 +78,11 @@ class Detector:
         )
 
     def with_limit(self, limit: int) -> Detector:
-        """Another detector of the same space with a budget of its own."""
-        return Detector(self.space, limit, self._stop)
+        """Another detector of the same space with counts and a budget of its own; use one at a time."""
+        other = copy_of(self)
+        counts = np.array([0, limit, self._stop(), 0], dtype=np.int64)
+        other.asking = self.asking._replace(counts=counts)
+        return other
 
     @property
     def limit(self) -> int:

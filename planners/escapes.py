@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -46,23 +48,10 @@ class Escape:
     def __reduce__(self) -> tuple[type[Escape], tuple[str, Array, Array]]:
         return type(self), (self.name, self.where, self.offsets)
 
+    @cached_property
     def backwards(self) -> Escape:
         """The same motion the other way round, under the same name."""
         return Escape(self.name, _turned(self.where), self.offsets[::-1] - self.offsets[-1])
-
-
-class EscapeArrays(NamedTuple):
-    """A library as plain arrays, oldest escape first.
-
-    names: m. where: shape (m, k) or (m, 2, k). lengths: N of each escape, (m,). offsets: all of them stacked,
-    (sum N, n). numbered: how many links were remembered so far, for the running numbers.
-    """
-
-    names: tuple[str, ...]
-    where: Array
-    lengths: Array
-    offsets: Array
-    numbered: int
 
 
 class _Index(NamedTuple):
@@ -79,9 +68,10 @@ class _Index(NamedTuple):
 
     def distances(self, where: Array, move: Array, weights: Array) -> Array:
         """Of each escape as it is and turned round, (m, 2): between the places plus between displacements."""
-        places = [np.sqrt(((of - where.ravel()) ** 2).sum(axis=1)) for of in (self.where, self.turned)]
-        ways = [np.sqrt((((sign * self.moves - move) * weights) ** 2).sum(axis=1)) for sign in (1.0, -1.0)]
-        return np.column_stack([place + way for place, way in zip(places, ways, strict=True)])
+        found = np.empty((len(self.moves), 2))
+        # Copies, for numba takes read-only arrays for another type to compile for.
+        measure(*self, np.array(where.ravel()), np.array(move), np.array(weights), found)
+        return found
 
     def nearest(self, where: Array, move: Array, weights: Array) -> list[int]:
         """Escapes in order, each as 2 i or, turned round, 2 i + 1."""
@@ -89,6 +79,23 @@ class _Index(NamedTuple):
         latest_first = np.arange(len(distances))[::-1]
         best: list[int] = latest_first[np.argsort(distances[::-1], kind="stable")].tolist()
         return best
+
+
+@compiled
+def measure(
+    where: Array, turned: Array, moves: Array, here: Array, move: Array, weights: Array, found: Array
+) -> None:
+    """Compiled `_Index.distances`, into `found` (m, 2)."""
+    for escape in range(len(moves)):
+        for way in range(2):
+            place = displacement = 0.0
+            for k in range(len(here)):
+                there = where[escape, k] if way == 0 else turned[escape, k]
+                place += (there - here[k]) ** 2
+            for i in range(len(move)):
+                moved = moves[escape, i] if way == 0 else -moves[escape, i]
+                displacement += ((moved - move[i]) * weights[i]) ** 2
+            found[escape, way] = math.sqrt(place) + math.sqrt(displacement)
 
 
 class EscapeLibrary:
@@ -137,28 +144,7 @@ class EscapeLibrary:
             self._index = _Index.of(self._escapes)
         best = self._index.nearest(here, move, weights)[:count]
         found = [self._escapes[i // 2] for i in best]
-        return [escape.backwards() if i % 2 else escape for i, escape in zip(best, found, strict=True)]
-
-    def to_arrays(self) -> EscapeArrays:
-        """Export."""
-        escapes = list(self._escapes)
-        return EscapeArrays(
-            tuple(escape.name for escape in escapes),
-            frozen([escape.where for escape in escapes]),
-            frozen([len(escape.offsets) for escape in escapes]),
-            frozen([row for escape in escapes for row in escape.offsets]),
-            self._numbered,
-        )
-
-    @classmethod
-    def from_arrays(cls, arrays: EscapeArrays, kept: int = 64) -> EscapeLibrary:
-        """Import what `to_arrays` exported; of more than `kept` the oldest are forgotten."""
-        library = cls(kept)
-        ends = np.cumsum(arrays.lengths).astype(int)
-        pieces = np.split(arrays.offsets, ends[:-1])
-        library._escapes.extend(map(Escape, arrays.names, arrays.where, pieces))
-        library._numbered = arrays.numbered
-        return library
+        return [escape.backwards if i % 2 else escape for i, escape in zip(best, found, strict=True)]
 
     def _position(self, where: ArrayLike) -> Array:
         """`where` as an array of the same shape as those before it; raises `WrongShape`."""

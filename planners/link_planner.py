@@ -192,6 +192,10 @@ class _Link:
 
     def _booked(self, result: PlanResult) -> PlanResult:
         """Add what this attempt cost to what was spent, and show the sum in its answer."""
+        if not self.detections:
+            self.detections, self.seconds = result.counts.detections, result.times.search
+            self.inside = result.times.detection
+            return result
         self.detections += result.counts.detections
         self.seconds += result.times.search
         self.inside += result.times.detection

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, get_args
 
-import numpy as np
-
 from planners.arrays import Array, frozen
 from planners.errors import InvalidSetting
 
@@ -71,8 +69,9 @@ class PlannerSettings:
     max_detections: int = 20_000  # one search, or one link with all its engines: some seconds at 0.1 ms each
     engine_detections: int = 600  # one engine in the first region; most hard links need 150 to 550
     smoothing_detections: int = 400  # a path of 400 configurations smooths in about half of it
-    quickening_detections: int = 40  # smoothing by time; half of the hard links end it by themselves before
-    smoothing_gain: float = 0.05  # of the path's time: a pass that gains less is the last one
+    quickening_detections: int = 40  # smoothing by time; most hard links end it by themselves before
+    smoothing_gain: float = 0.015  # of the path's time: what a single trial must gain to be proved
+    smoothing_refusals: int = 6  # in a row, then it ends: four lose 3 % of the time, ten gain 2 %
 
     # Escapes. Few are tried, because each try costs some detections and the nearest ones fit or none does.
     escapes_tried: int = 4  # [escapes]
@@ -97,6 +96,7 @@ class PlannerSettings:
             "max_detections",
             "smoothing_detections",
             "quickening_detections",
+            "smoothing_refusals",
             "escapes_tried",
             "escape_detections",
         ):
@@ -145,11 +145,6 @@ class PlannerSettings:
         """-1 or +1 for each axis whose random steps have a forced sign, else 0, shape (n,)."""
         signs = {"negative": -1.0, "positive": 1.0}
         return frozen([signs.get(rule.random, 0.0) for rule in self.axes])
-
-    @cached_property
-    def can_walk(self) -> bool:
-        """Whether a random motion moves any axis at all."""
-        return bool(np.any(self.walking) or np.any(self.forced))
 
 
 def _require(field: str, value: float, holds: bool, rule: str) -> None:

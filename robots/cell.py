@@ -151,10 +151,11 @@ class Cell:
         # Imported when first used: commands that plan nothing need not wait for the compiled kernel to load.
         from robots.kernel.space import KernelSpace, tips_at
 
-        return KernelSpace(self._flat, self.machine.lower, self.machine.upper, tips_at(self._flat, anchors))
+        return KernelSpace(self.flat, self.machine.lower, self.machine.upper, tips_at(self.flat, anchors))
 
     @cached_property
-    def _flat(self) -> FlatCell:
+    def flat(self) -> FlatCell:
+        """The cell packed for the compiled kernel; the machine must be a riveter."""
         from robots.kernel.space import flat_cell
 
         return flat_cell(self, CERTIFICATE_MARGIN)
@@ -169,7 +170,7 @@ class Cell:
             return self._coal_stations
         from robots.kernel.stations import KernelStations
 
-        return KernelStations(self._flat)
+        return KernelStations(self.flat)
 
     def closest(
         self, q: Array, *, near_fastener: bool, foot: FootState = "open", tip: bool = True

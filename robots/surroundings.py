@@ -8,16 +8,14 @@ family.
 
 from __future__ import annotations
 
-from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from planners.arrays import Array
-from robots import hexahedra
 from robots.cell import Cell
-from robots.chain import Chain
 from robots.kernel.free_ways import free_ways
+from robots.kernel.layout import DEPTH
 from robots.solids import reach_about_axis
 
 DEPTHS = (0.004, 0.050)
@@ -34,17 +32,14 @@ _WEIGHT = 2.0
 """Of the free ways beside displacements, for a wall elsewhere makes an escape useless; measured on the hard
 links of the example panels.
 """
-_BLOCK = 0.5
-"""[m] Poses in one cube of this size share the pieces that are looked at first."""
-_REACH = FARTHEST + max(DEPTHS)
 _DEPTHS = np.array(DEPTHS)
 _DIGITS = 4
 """0.1 mm: what differs by rounding errors is the same place."""
 
 
 def joined(free: Array, die: Array) -> Array:
-    """The vector (LENGTH,) of free ways (WAYS,) and of where the die reaches to (2,), all [m]."""
-    return np.concatenate([_WEIGHT * free.round(_DIGITS), die.round(_DIGITS)])
+    """The vectors (..., LENGTH) of free ways (..., WAYS) and of where the die reaches to (..., 2), [m]."""
+    return np.concatenate([_WEIGHT * free.round(_DIGITS), die.round(_DIGITS)], axis=-1)
 
 
 def parted(vector: Array) -> tuple[Array, Array]:
@@ -64,50 +59,35 @@ def surroundings_of(cell: Cell) -> Surroundings:
 
 
 class Surroundings:
-    """Describes poses of one cell by vectors of `LENGTH` lengths [m]; those of other panels compare."""
+    """Describes poses of one cell by vectors of `LENGTH` lengths [m]; those of other panels compare. One
+    thread at a time may ask.
+    """
 
     def __init__(self, cell: Cell) -> None:
-        self._chain, self._link = Chain(cell.machine, cell.panel.mounting), cell.machine.die_link
-        pieces, _ = cell.panel.pieces()
-        self._boxes = _Pieces(*hexahedra.bounds(pieces), *hexahedra.planes(pieces))
-        self._blocks: dict[tuple[int, ...], _Pieces] = {}
+        self._flat = cell.flat
+        depth = int(self._flat.indices[DEPTH])
+        self._frames, self._stack = np.empty((6, 12)), np.empty(depth + 2, dtype=np.int64)
+        self._origins, self._directions = np.empty((len(DEPTHS), 3)), np.empty((DIRECTIONS, 3))
         solids = () if cell.die.axisymmetric else cell.die.solids
         reaches = [reach_about_axis(solid, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) for solid in solids]
         self._reach = max(reaches, default=0.0)
 
     def of_link(self, start: Array, goal: Array) -> Array:
         """What stands around the two ends (n,) of a link, (2, LENGTH)."""
-        return np.array([self.at(start), self.at(goal)])
+        return self._at(np.array([start, goal], dtype=np.float64))
 
     def at(self, q: Array) -> Array:
         """What stands around the die at `q` (n,): `_WEIGHT` times the free ways, by depth and direction; then
         where the die reaches to, (2,), nothing for a die that is the same from all sides.
         """
-        T, C = self._chain.placement(q, self._link), q[-1]
-        free = np.empty((len(DEPTHS), DIRECTIONS))
-        free_ways(*self._pieces_about(T[:3, 3]), T, -C, _DEPTHS, FARTHEST, free)
-        return joined(free.ravel(), self._reach * np.array([np.cos(C), np.sin(C)]))
+        vector: Array = self._at(np.array([q], dtype=np.float64))[0]
+        return vector
 
-    def _pieces_about(self, origin: Array) -> _Pieces:
-        """The pieces that a way from about `origin` (3,) may meet."""
-        block = tuple(np.floor(origin / _BLOCK).astype(int).tolist())
-        found = self._blocks.get(block)
-        if found is None:
-            corner = _BLOCK * np.array(block)
-            found = self._boxes.overlapping(corner - _REACH, corner + (_BLOCK + _REACH))
-            self._blocks[block] = found
-        return found
-
-
-class _Pieces(NamedTuple):
-    """Convex pieces: corners of their boxes (H, 3), outward normals (H, 6, 3) and offsets (H, 6)."""
-
-    lower: Array
-    upper: Array
-    normals: Array
-    offsets: Array
-
-    def overlapping(self, low: Array, high: Array) -> _Pieces:
-        """Those whose boxes overlap the box between two corners (3,)."""
-        near = np.flatnonzero(((self.lower <= high) & (self.upper >= low)).all(axis=1))
-        return _Pieces(*(rows[near] for rows in self))
+    def _at(self, poses: Array) -> Array:
+        """`at` for each of `poses` (P, n), (P, LENGTH)."""
+        free = np.empty((len(poses), len(DEPTHS), DIRECTIONS))
+        work = self._frames, self._origins, self._directions
+        free_ways(*self._flat, poses, _DEPTHS, FARTHEST, *work, self._stack, free)
+        C = poses[:, -1]
+        die = self._reach * np.array([np.cos(C), np.sin(C)]).T
+        return joined(free.reshape(-1, WAYS), die)

@@ -12,6 +12,7 @@ from typing import Any
 
 from planners.arrays import Array
 from planners.compiled import compiled_on_views
+from planners.native import PATH, POSE
 from robots.certified_edge import RESOLUTION
 from robots.kernel.layout import BOX_CENTER, LOWER, NEAR_RADIUS, NORMALS, OFFSETS, POSE_T, UPPER, Ints
 from robots.kernel.motion import motion_of_pairs
@@ -24,8 +25,8 @@ from robots.kernel.work import LEVELS, MOST, views_of, work_of
 AT_LIMIT = 1e-12
 """As `Machine.within_limits`: so much beyond an axis limit is rounding."""
 
-POSE, PATH, ADVANCE, STATION = 0, 1, 2, 3
-"""What `ask` can be asked."""
+ADVANCE, STATION = PATH + 1, PATH + 2
+"""What `ask` can be asked besides what a search asks, POSE and PATH."""
 
 POLICY = -1.0
 """In place of a clearance: what the policy asks for, in transit and near the anchors."""

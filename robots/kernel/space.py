@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planners.arrays import Array
-from planners.native import NativeSpace
+from planners.native import PATH, POSE, NativeSpace
 from robots.kernel.callable import Handle
-from robots.kernel.edge import ADVANCE, PATH, POLICY, POSE, ask
+from robots.kernel.edge import ADVANCE, POLICY, ask
 from robots.kernel.flat import FlatCell, pack
 from robots.kernel.layout import MACHINE
 from robots.kernel.poses import die_tips

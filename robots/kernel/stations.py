@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from planners.arrays import Array
-from robots.kernel.edge import POLICY, POSE, STATION, ask
+from planners.native import POSE
+from robots.kernel.edge import POLICY, STATION, ask
 from robots.kernel.flat import FlatCell
 from robots.kernel.layout import Ints
 from robots.kernel.work import new_blocks

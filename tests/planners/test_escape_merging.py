@@ -37,7 +37,7 @@ def test_of_two_for_the_same_links_the_quicker_one_stays_in_the_older_ones_turn(
 def test_an_escape_and_the_same_the_other_way_round_are_one() -> None:
     one = escape("one", HERE, [1.0, 1.0])
 
-    assert merge([one], [one.backwards()]) == ["one"]
+    assert merge([one], [one.backwards]) == ["one"]
 
 
 def test_another_place_or_another_way_is_another_escape() -> None:

@@ -79,8 +79,6 @@ def test_axis_rules_become_arrays_in_axis_order() -> None:
     assert settings.walking.tolist() == [1.0, 0.0, 0.0, 0.0]
     assert settings.forced.tolist() == [0.0, 0.0, -1.0, 1.0]
     assert settings.margins.tolist() == [0.05, 0.2, 0.7, 0.1]
-    assert settings.can_walk
-    assert not PlannerSettings(rules(3, random="frozen")).can_walk
 
 
 def test_settings_cross_a_process_and_a_changed_copy_forgets_what_was_computed() -> None:
