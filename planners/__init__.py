@@ -2,7 +2,7 @@
 
 from planners.arrays import Array, frozen
 from planners.detector import Detector, never
-from planners.errors import InvalidSetting, LimitExceeded, NotFinite, PlannerError, WrongShape
+from planners.errors import Collinear, InvalidSetting, LimitExceeded, NotFinite, PlannerError, WrongShape
 from planners.escapes import Escape, EscapeLibrary
 from planners.link_planner import LinkPlanner
 from planners.native import NativeSpace, Stop
@@ -16,6 +16,7 @@ from planners.space import Space
 __all__ = [
     "Array",
     "AxisRule",
+    "Collinear",
     "Detector",
     "Escape",
     "EscapeLibrary",

@@ -5,6 +5,7 @@
       NotFinite       an array holds NaN or infinity
       InvalidSetting  a setting breaks its rule
       LimitExceeded   a given path limit is faster than the axes allow
+      Collinear       points that must span a plane lie on one line
 
 Each passes its arguments on to `Exception.__init__`, so that it survives pickling between processes.
 """
@@ -62,3 +63,14 @@ class LimitExceeded(PlannerError):
 
     def __str__(self) -> str:
         return f"path limit {self.name} = {self.value!r} is more than the {self.allowed!r} its axes allow"
+
+
+class Collinear(PlannerError):
+    """The points `name` lie on one line or coincide, so they span no plane."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.name = name
+
+    def __str__(self) -> str:
+        return f"{self.name} must not lie on one line"

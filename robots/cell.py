@@ -35,6 +35,7 @@ from robots.solids import Solid, bounding_sphere, reach_about_axis
 
 if TYPE_CHECKING:
     from robots.kernel.flat import FlatCell
+    from robots.kernel.turns import FreeArcs, KernelTurns
 
 CERTIFICATE_MARGIN = 0.00005
 """[m] Kept beyond the policy, so that rounding axis values to the NC program's digits cannot spend the
@@ -172,6 +173,12 @@ class Cell:
 
         return KernelStations(self.flat)
 
+    @cached_property
+    def _turns(self) -> KernelTurns:
+        from robots.kernel.turns import KernelTurns
+
+        return KernelTurns(self.flat, (*self.open.solids, self.machine.foot["clamped"]))
+
     def closest(
         self, q: Array, *, near_fastener: bool, foot: FootState = "open", tip: bool = True
     ) -> Blockage:
@@ -219,6 +226,14 @@ class Cell:
         the stack under its face; every other pair keeps the clearance that holds near a fastener.
         """
         return self._stations.first_free(opened, clamped, self.meant_at(fastener))
+
+    def free_arcs(self, fastener: Fastener, opened: Array, clamped: Array) -> FreeArcs:
+        """Every die angle at which `first_free` would take the two poses (n,), which differ in W only; always
+        by the kernel.
+
+        Their C does not matter, but must be within its limits.
+        """
+        return self._turns.free_arcs(opened, clamped, self.meant_at(fastener))
 
     def process_is_free(self, fastener: Fastener, opened: Array, clamped: Array) -> bool:
         """Whether the process move between two configurations (n,) is proved, as in `first_free`."""

@@ -37,10 +37,15 @@ class PanelPieces:
         ends = np.cumsum([len(part.pieces) for part in panel.parts]).tolist()
         self._ranges = dict(zip(panel.part_ids, pairwise([0, *ends]), strict=True))
         self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
+        self._trials: WeakKeyDictionary[Fastener, Stack] = WeakKeyDictionary()
 
     def stack_of(self, fastener: Fastener) -> Stack:
-        """What that fastener of the panel joins."""
-        return self._stacks[fastener.id]
+        """What that fastener of the panel joins, or one that is tried out."""
+        return self._trials.get(fastener) or self._stacks[fastener.id]
+
+    def try_out(self, fastener: Fastener, stack: Stack) -> None:
+        """Let a fastener that the panel does not have be asked about, as long as it lives."""
+        self._trials[fastener] = stack
 
     def around(self, low: Array, high: Array) -> NDArray[np.intp]:
         """Pieces whose box meets the box from `low` to `high`, each (3,), [m]."""

@@ -40,9 +40,10 @@ def meters(mm: float) -> float:
 
 
 def read_definition(
-    path: Path, model: type[_Model], cross_checks: Sequence[CrossCheck]
+    path: Path | bytes, model: type[_Model], cross_checks: Sequence[CrossCheck]
 ) -> tuple[_Model, bytes]:
-    """Read a definition file; return its model and its canonical JSON (what hashes are taken of).
+    """Read a definition file (a path, or its text); return its model and its canonical JSON, of which hashes
+    are taken.
 
     Raises InvalidInput with every problem of the file, an unreadable file included.
     """

@@ -14,6 +14,7 @@ from robots.broad_phase import TooCrowdedError
 from robots.definition_file import canonical_json, meters
 from robots.errors import InputProblem, InvalidInput
 from robots.panel import Panel
+from robots.panel_adjustments import adjusted
 from robots.panel_checks import check_piercing, check_spacing, stacked
 from robots.panel_fasteners import collect_fasteners
 from robots.panel_members import Builder
@@ -49,7 +50,7 @@ def _assembled(reading: Reading, findings: Findings) -> Panel | None:
     """The panel; None when problems have been found by now."""
     definition = reading.definition
     members = Builder(reading, findings).build()
-    candidates = collect_fasteners(reading, members, findings)
+    candidates = adjusted(collect_fasteners(reading, members, findings), reading, members, findings)
     try:
         pierced = check_piercing(members, findings)
         fasteners, stacks = stacked(candidates, members, pierced, findings)

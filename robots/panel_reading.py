@@ -19,7 +19,7 @@ from robots.strict_json import Document, pointer_to
 
 #: Lists of the definition whose entries have ids of parts.
 PART_LISTS = ("doublers", "straps", "stringers", "frames", "clips", "boxes", "extrusions")
-_LISTS = (*PART_LISTS, "fasteners", "rows")
+_LISTS = (*PART_LISTS, "fasteners", "rows", "adjustments")
 
 #: What stands in for a member of the document that cannot be used, so that reading can go on.
 _STAND_INS: dict[str, object] = {

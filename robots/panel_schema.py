@@ -27,6 +27,7 @@ def _in_one_line(text: str) -> str:
 
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\-]*$")]
 Title = Annotated[str, Field(max_length=200), AfterValidator(_in_one_line)]
+FastenerName = Annotated[str, Field(min_length=1, max_length=200)]
 Direction = Literal["x", "arc"]
 Side = Literal["+x", "-x"]
 
@@ -46,6 +47,8 @@ Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Sizes = Annotated[list[Length], Field(min_length=3, max_length=3)]
 Position = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 Angles = Annotated[list[Annotated[float, Field(ge=-360.0, le=360.0)]], Field(min_length=3, max_length=3)]
+Shift = Annotated[float, Field(ge=-500.0, le=500.0)]
+Tilt = Annotated[float, Field(ge=-2.0, le=2.0)]
 Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 FromStack = Literal["from_stack"]
 
@@ -218,8 +221,20 @@ class RowDefinition(Strict):
     die: Name | None = None
 
 
+class AdjustmentDefinition(Strict):
+    """One fastener, given by a point or made by a row, moved over the skin and its axis tilted."""
+
+    fastener: FastenerName
+    x_mm: Shift = Field(default=0.0, description="arc length along the length")
+    arc_mm: Shift = Field(default=0.0, description="arc length across")
+    tilt_x_deg: Tilt = Field(default=0.0, description="how far the outward axis leans towards +x")
+    tilt_arc_deg: Tilt = Field(default=0.0, description="towards +arc")
+
+
 class PanelDefinition(Strict):
-    """A panel: skin, members, fasteners. Program order: `fasteners` as listed, then `rows` as listed."""
+    """A panel: skin, members, fasteners. Program order: `fasteners` as listed, then `rows` as listed;
+    `adjustments` are made last.
+    """
 
     schema_version: SchemaVersion
     id: Name
@@ -238,3 +253,4 @@ class PanelDefinition(Strict):
     extrusions: list[ExtrusionDefinition] = Field(default=[])
     fasteners: list[FastenerDefinition] = Field(default=[])
     rows: list[RowDefinition] = Field(default=[])
+    adjustments: list[AdjustmentDefinition] = Field(default=[])

@@ -82,7 +82,7 @@ def _place(error: ErrorDetails, document: Document) -> Keys:
         elif error["type"] == "missing" and part == error["loc"][-1]:
             return (*keys, part)
         else:
-            return keys
+            continue
         keys = (*keys, part)
     return keys
 

@@ -77,6 +77,8 @@ def _clip(parts: tuple[Part, ...], points: Array, normals: Array) -> _Crossings:
 
 def _merge(crossings: _Crossings) -> _Crossings:
     """One crossing for the touching pieces of one part, sorted by ray and entry."""
+    if len(crossings.ray) == 0:
+        return crossings
     order = np.lexsort((crossings.entry, crossings.part, crossings.ray))
     ray, part = crossings.ray[order], crossings.part[order]
     entry, exit_ = crossings.entry[order], crossings.exit[order]

@@ -2,7 +2,8 @@
 
 For one fastener and the die in the cell: datum -> axes -> stack -> die contact -> die angle (Graux 1992,
 Panel programming method). The first die angle that is proved free is taken, nearest to 90 degrees to the
-travel; angles with room to leave the bay come before those that merely fit.
+travel; angles with room to leave the bay come before those that merely fit. Angles 10 degrees apart are asked
+first; where none of them is free, all that are between them (`die_angles`).
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ import numpy as np
 
 from planners.arrays import Array
 from robots import riveter
+from robots.access.choice import choices
 from robots.cell import Blockage, Cell
+from robots.die_angles import DieAngles, free_angles
 from robots.nc import Deg, NcAxes
 from robots.nc_codec import Decimals
 from robots.panel import Fastener, Stack
@@ -94,9 +97,30 @@ def find_station(
     clamped = _as_programmed(placement.q(clamped_W, angles[0]), programmed)
     # An open pose with less than the clearance of transit is taken last: leaving it is a hard search.
     chosen = cell.first_free(fastener, opened, clamped)
-    if chosen is None:
-        return Refusal(die.id, poses=tuple(zip(opened, clamped, strict=True)))
-    return Station(fastener, die.id, opened[chosen], clamped[chosen])
+    if chosen is not None:
+        return Station(fastener, die.id, opened[chosen], clamped[chosen])
+    between = _between_samples(cell, fastener, stack, angles[0])
+    return between or Refusal(die.id, poses=tuple(zip(opened, clamped, strict=True)))
+
+
+def station_at(fastener: Fastener, angles: DieAngles, C: float) -> Station:
+    """The station with the die at angle `C` [rad], which `angles` holds, with the program's digits."""
+    if angles.opened is None or angles.clamped is None:
+        raise ValueError(f"fastener {fastener.id} is out of the machine's limits")
+    opened, clamped = (NcAxes.of(np.append(q[:-1], C)).q for q in (angles.opened, angles.clamped))
+    return Station(fastener, angles.die_id, opened, clamped)
+
+
+def _between_samples(cell: Cell, fastener: Fastener, stack: Stack, default: float) -> Station | None:
+    """The station at a die angle that only the exact intervals of free angles know of."""
+    if cell.die.axisymmetric:
+        return None
+    angles = free_angles(cell, fastener, stack)
+    for C in choices(angles, default, cell.machine.axis("C")):
+        station = station_at(fastener, angles, C)
+        if cell.process_is_free(fastener, station.opened, station.clamped):
+            return station
+    return None
 
 
 def explained(refusal: Refusal, cell: Cell, fastener: Fastener) -> Refusal:

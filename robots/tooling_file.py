@@ -104,8 +104,8 @@ class ProcessLibraryFile(Strict):
     processes: Annotated[list[ProcessFile], Field(min_length=1, max_length=1000)]
 
 
-def load_dies(path: Path = DATA / "dies.json") -> DieLibrary:
-    """Read a die library; raise InvalidInput with every problem of the file."""
+def load_dies(path: Path | bytes = DATA / "dies.json") -> DieLibrary:
+    """Read a die library from a file or from its text; raise InvalidInput with every problem of the file."""
     file, definition = read_definition(path, DieLibraryFile, [_die_names, _mounting])
     mounting_z = meters(file.mounting_face_mm)
     dies = tuple(

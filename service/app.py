@@ -7,7 +7,16 @@ from fastapi import FastAPI
 
 from service import __version__, documentation, problem_handlers
 from service.engine import Engine, ProcessEngine
-from service.routes import health, machines, motions, programs
+from service.routes import (
+    accessibility,
+    accessibility_areas,
+    free_volumes,
+    health,
+    machines,
+    motions,
+    programs,
+    rivet_patterns,
+)
 from service.settings import Settings
 from service.strict_route import StrictRoute
 
@@ -41,8 +50,17 @@ def create_app(settings: Settings | None = None, engine: Engine | None = None) -
     )
     app.state.settings = settings
     app.state.engine = computing
-    for router in (programs.router, motions.router, machines.router, health.router):
-        app.include_router(router)
+    for module in (
+        programs,
+        motions,
+        accessibility,
+        accessibility_areas,
+        free_volumes,
+        rivet_patterns,
+        machines,
+        health,
+    ):
+        app.include_router(module.router)
     problem_handlers.install(app)
     _serve_document(app)
     return app

@@ -9,8 +9,20 @@ from pydantic.json_schema import JsonSchemaMode
 
 from robots.nc import NcProgram
 from robots.panel_schema import PanelDefinition
+from service.access_schemas import PanelAccessibility
+from service.area_schemas import AccessibilityAreas, AccessibilityVolumes
 from service.errors import KINDS, MEDIA_TYPE, Problem
+from service.free_volume_schemas import FreeVolumeAnswer
+from service.pattern_schemas import RivetPattern
 from service.schemas import Motion
+
+_OTHERS = (
+    ("Accessibility", PanelAccessibility),
+    ("AccessibilityAreas", AccessibilityAreas),
+    ("AccessibilityVolumes", AccessibilityVolumes),
+    ("FreeVolume", FreeVolumeAnswer),
+    ("RivetPattern", RivetPattern),
+)
 
 _REF = "#/components/schemas/{model}"
 _READER: JsonSchemaMode = "serialization"  # what a client reads, not what we would accept
@@ -42,7 +54,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
             tags=app.openapi_tags,
         )
         schemas = document["components"]["schemas"]
-        for name, kind in (("Problem", Problem), ("Program", NcProgram), ("Motion", Motion)):
+        for name, kind in (("Problem", Problem), ("Program", NcProgram), ("Motion", Motion), *_OTHERS):
             schema = TypeAdapter[Any](kind).json_schema(ref_template=_REF, mode=_READER)
             schemas |= schema.pop("$defs", {}) | {name: schema}
         _describe_panels(schemas)
@@ -54,7 +66,7 @@ def _describe_panels(schemas: dict[str, Any]) -> None:
     """Say in the requests what a panel is; it is checked by the panel's own reader, not with the request."""
     schema = PanelDefinition.model_json_schema(ref_template=_REF)
     schemas |= schema.pop("$defs", {}) | {"Panel": schema}
-    for request in ("ProgramRequest", "MotionRequest"):
+    for request in ("ProgramRequest", "MotionRequest", "AccessibilityRequest", "FreeVolumeRequest"):
         schemas[request]["properties"]["panel"] = {"$ref": _REF.format(model="Panel")}
 
 

@@ -4,9 +4,13 @@ import asyncio
 import logging
 from typing import Protocol
 
+from service.access_schemas import AccessibilityRequest
 from service.answers import Answer
+from service.area_schemas import AreaRequest, VolumeRequest
 from service.errors import Problem, ProblemError, problem
-from service.schemas import MotionRequest, ProgramRequest
+from service.free_volume_schemas import FreeVolumeRequest
+from service.pattern_schemas import RivetPatternRequest
+from service.schemas import MotionRequest, ProgramRequest, Strict
 from service.settings import Settings
 from service.worker import Worker, WorkerLost
 
@@ -34,6 +38,30 @@ class Engine(Protocol):
 
     async def motion(self, request: MotionRequest) -> Answer:
         """Return one motion."""
+        ...
+
+    async def accessibility(self, request: AccessibilityRequest) -> Answer:
+        """Return which fasteners of a panel the machine reaches."""
+        ...
+
+    async def rivet_pattern(self, request: RivetPatternRequest) -> Answer:
+        """Return a rivet pattern."""
+        ...
+
+    async def accessibility_areas(self, request: AreaRequest) -> Answer:
+        """Return what a tool reaches in the plane."""
+        ...
+
+    async def accessibility_volumes(self, request: VolumeRequest) -> Answer:
+        """Return what a tool reaches in space."""
+        ...
+
+    async def free_volume(self, request: FreeVolumeRequest) -> Answer:
+        """Return where a tool can be in a section of a panel."""
+        ...
+
+    async def free_volume_mesh(self, request: FreeVolumeRequest) -> Answer:
+        """Return the same as a mesh."""
         ...
 
 
@@ -68,7 +96,25 @@ class ProcessEngine:
     async def motion(self, request: MotionRequest) -> Answer:
         return await self._compute("motion", request)
 
-    async def _compute(self, task: str, request: ProgramRequest | MotionRequest) -> Answer:
+    async def accessibility(self, request: AccessibilityRequest) -> Answer:
+        return await self._compute("accessibility", request)
+
+    async def rivet_pattern(self, request: RivetPatternRequest) -> Answer:
+        return await self._compute("rivet_pattern", request)
+
+    async def accessibility_areas(self, request: AreaRequest) -> Answer:
+        return await self._compute("accessibility_areas", request)
+
+    async def accessibility_volumes(self, request: VolumeRequest) -> Answer:
+        return await self._compute("accessibility_volumes", request)
+
+    async def free_volume(self, request: FreeVolumeRequest) -> Answer:
+        return await self._compute("free_volume", request)
+
+    async def free_volume_mesh(self, request: FreeVolumeRequest) -> Answer:
+        return await self._compute("free_volume_mesh", request)
+
+    async def _compute(self, task: str, request: Strict) -> Answer:
         worker = await self._turn()
         limit_s = self._settings.time_limit_s
         try:

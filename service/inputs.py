@@ -19,11 +19,12 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """What programming a panel starts from."""
+    """What programming a panel starts from. document: what the panel was loaded from."""
 
     panel: Panel
     machine: Machine
     dies: tuple[Die, ...]
+    document: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def gather(
         problems += _unknown_dies(the_machine.dies.ids, panel, places.panel)
     if problems or the_panel is None or the_machine is None:
         raise InvalidInput(problems)
-    return Inputs(the_panel, the_machine, the_dies)
+    return Inputs(the_panel, the_machine, the_dies, panel)
 
 
 @contextmanager

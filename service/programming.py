@@ -26,7 +26,7 @@ from robots.panel import Panel
 from robots.riveter_search import Heuristics
 from robots.verify import certified
 from service.crew import Crew, RunTask
-from service.die_pass import Run
+from service.die_pass import Cancelled, Run
 from service.itinerary import Itinerary
 from service.program_writer import write_program
 
@@ -38,7 +38,9 @@ workers. Part of the result: another length gives another (equally valid) progra
 
 @dataclass(frozen=True)
 class ProgressEvent:
-    """How far a phase has come: `phase` is "plan <die>" or "verify", of `total` fasteners or blocks."""
+    """How far a phase has come: `phase` is "plan <die>", "verify", "check" or "remedies", of `total`
+    fasteners or blocks.
+    """
 
     phase: str
     done: int
@@ -103,13 +105,21 @@ def program_panel(
         known = escapes or FamilyEscapes(panel.id, machine, {})
         itinerary, found = _plan(panel, machine, dies, seed, workers, tell, stop, heuristics, checker, known)
     statistics.links = tuple((leaves, leads, link.result) for leaves, leads, link in itinerary.named_links())
+    _unless_cancelled(stop)
     with statistics.phase("write"):
         program = write_program(panel, machine, dies, itinerary, seed, escapes)
+    _unless_cancelled(stop)
     with statistics.phase("verify"):
         tell(ProgressEvent("verify", 0, len(program.blocks)))
         program = certified(program, panel, machine)
         tell(ProgressEvent("verify", len(program.blocks), len(program.blocks)))
     return ProgrammedPanel(program, statistics, known.with_found(found))
+
+
+def _unless_cancelled(stop: Callable[[], bool]) -> None:
+    """Raise Cancelled when `stop` says so; between the phases, which do not ask by themselves."""
+    if stop():
+        raise Cancelled
 
 
 def _plan(

@@ -5,13 +5,13 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 
-def _whole(value: object) -> object:
+def whole(value: object) -> object:
     """Let 3.0 be the integer 3, as JSON Schema does."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f\x7f]+$")]
-Seed = Annotated[int, Field(ge=0, le=2**53 - 1), BeforeValidator(_whole)]
+Seed = Annotated[int, Field(ge=0, le=2**53 - 1), BeforeValidator(whole)]
 PanelDocument = Annotated[
     dict[str, Any],
     Field(description="a panel, exactly as in a panel file; openapi/examples/crossing.json is one"),

@@ -9,8 +9,11 @@ from service.strict_json import JsonLimits
 class Settings:
     """What the service allows itself.
 
-    max_sync_fasteners: fasteners of a panel that is programmed while the client waits. 120 fasteners around
-        crossings take seconds, which a client can wait for; a shell of thousands is for the command line.
+    max_sync_fasteners: fasteners of a panel that is programmed or checked while the client waits. 120
+        fasteners around crossings take seconds, which a client can wait for; a shell of thousands is for the
+        command line.
+    max_sync_access_checks: rivets x angles x boxes of an accessibility area or volume that is computed while
+        the client waits: some seconds.
     json: size and depth of a request body.
     workers: processes that compute, each with its own native libraries; one leaves the second core of a small
         machine to the event loop.
@@ -21,6 +24,7 @@ class Settings:
     """
 
     max_sync_fasteners: int = 120
+    max_sync_access_checks: int = 200_000
     json: JsonLimits = field(default_factory=JsonLimits)
     workers: int = 1
     max_waiting: int = 8

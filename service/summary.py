@@ -9,6 +9,14 @@ from service.programming import Statistics
 
 Row = tuple[str, str]
 
+ACCESS_CLASSES = {
+    "accessible": "accessible (over 80 %)",
+    "modify_tool": "modify the tool (50 to 80 %)",
+    "crowded": "crowded: redesign the tool or the part (under 50 %)",
+    None: "-",
+}
+"""The classes of Dakdouk 2016, section 3.5, in words."""
+
 
 def program_rows(program: NcProgram) -> list[Row]:
     """Return the figures of a program: fasteners, cycle time and where it goes, links, certificate."""

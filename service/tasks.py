@@ -2,15 +2,27 @@
 
 import hashlib
 
+from pydantic import BaseModel
+
 from planners.arrays import Array
 from robots.nc import NcAxes
 from robots.nc_json import program_sha256, to_json
+from service.access_schemas import AccessibilityRequest
 from service.answers import Answer
+from service.area_answer import areas_of, volumes_of
+from service.area_inputs import AccessInputs, access_inputs
+from service.area_schemas import AreaRequest, VolumeRequest
+from service.canonical import canonical_json
 from service.errors import ProblemError, problem
+from service.free_volume import FoundVolume, find_free_volume
+from service.free_volume_schemas import DieChoice, FreeVolumeRequest
 from service.inputs import Places, gather, placed
 from service.motion import plan_motion
 from service.motion_answer import motion_json
+from service.panel_check import check_panel
+from service.pattern_schemas import RivetPatternRequest
 from service.programming import program_panel
+from service.rivet_pattern import rivet_pattern as designed
 from service.schemas import AtAxes, AtFastener, MotionRequest, ProgramRequest
 from service.settings import Settings
 
@@ -18,7 +30,7 @@ from service.settings import Settings
 def program(request: ProgramRequest, settings: Settings) -> Answer:
     """Return the program of a panel that is within the synchronous budget."""
     inputs = gather(request.panel, request.machine, request.dies, Places())
-    _check_budget(len(inputs.panel.fasteners), settings.max_sync_fasteners)
+    _check_budget(len(inputs.panel.fasteners), settings.max_sync_fasteners, "programmed", "rivetplan plan")
     with placed("/panel"):
         programmed = program_panel(inputs.panel, inputs.machine, inputs.dies, seed=request.seed)
     return Answer(to_json(programmed.program), program_sha256(programmed.program))
@@ -40,17 +52,89 @@ def _end(end: AtFastener | AtAxes) -> str | Array:
     return end.fastener_id if isinstance(end, AtFastener) else NcAxes(**end.axes.model_dump()).q
 
 
-def _check_budget(fasteners: int, limit: int) -> None:
+def _check_budget(fasteners: int, limit: int, done: str, command: str) -> None:
     if fasteners > limit:
         raise ProblemError(
             problem(
                 "panel_too_large_for_synchronous_request",
-                f"The panel has {fasteners} fasteners; {limit} are programmed while the client waits.",
+                f"The panel has {fasteners} fasteners; {limit} are {done} while the client waits.",
                 count=fasteners,
                 limit=limit,
-                remedy="Run `rivetplan plan PANEL.json` on the command line, or send fewer fasteners.",
+                remedy=f"Run `{command} PANEL.json` on the command line, or send fewer fasteners.",
             )
         )
 
 
-TASKS = {"program": program, "motion": motion}
+def accessibility(request: AccessibilityRequest, settings: Settings) -> Answer:
+    """Return which fasteners are reached of a panel that is within the synchronous budget."""
+    inputs = gather(request.panel, request.machine, request.dies, Places())
+    _check_budget(len(inputs.panel.fasteners), settings.max_sync_fasteners, "checked", "rivetplan check")
+    with placed("/panel"):
+        found = check_panel(inputs, remedies=request.remedies)
+    return _access_answer(found)
+
+
+def rivet_pattern(request: RivetPatternRequest, _settings: Settings) -> Answer:
+    """Return a rivet pattern."""
+    body = canonical_json(designed(request))
+    return Answer(body, hashlib.sha256(body).hexdigest())
+
+
+def accessibility_areas(request: AreaRequest, settings: Settings) -> Answer:
+    """Return what a tool reaches in the plane."""
+    return _access_answer(areas_of(_access(request, settings)))
+
+
+def accessibility_volumes(request: VolumeRequest, settings: Settings) -> Answer:
+    """Return what a tool reaches in space."""
+    return _access_answer(volumes_of(_access(request, settings)))
+
+
+def _access(request: AreaRequest | VolumeRequest, settings: Settings) -> AccessInputs:
+    inputs = access_inputs(request)
+    count, limit = inputs.checks, settings.max_sync_access_checks
+    if count > limit:
+        raise ProblemError(
+            problem(
+                "panel_too_large_for_synchronous_request",
+                f"Rivets, angles and boxes make {count} checks; {limit} are done while the client waits.",
+                count=count,
+                limit=limit,
+                remedy="Use `rivetplan gaa` on the command line, fewer rivets, or larger steps of the angle.",
+            )
+        )
+    return inputs
+
+
+def _access_answer(content: BaseModel) -> Answer:
+    body = canonical_json(content)
+    return Answer(body, hashlib.sha256(body).hexdigest())
+
+
+def free_volume(request: FreeVolumeRequest, _settings: Settings) -> Answer:
+    """Return where a tool can be in a section of a panel."""
+    body = canonical_json(_free_volume(request).report)
+    return Answer(body, hashlib.sha256(body).hexdigest())
+
+
+def free_volume_mesh(request: FreeVolumeRequest, _settings: Settings) -> Answer:
+    """Return the same as a mesh."""
+    found = _free_volume(request)
+    return Answer(found.mesh, found.report.mesh_sha256, "model/gltf-binary")
+
+
+def _free_volume(request: FreeVolumeRequest) -> FoundVolume:
+    dies = [request.tool.id] if isinstance(request.tool, DieChoice) else None
+    return find_free_volume(gather(request.panel, request.machine, dies, Places(dies="/tool/id")), request)
+
+
+TASKS = {
+    "program": program,
+    "motion": motion,
+    "accessibility": accessibility,
+    "rivet_pattern": rivet_pattern,
+    "accessibility_areas": accessibility_areas,
+    "accessibility_volumes": accessibility_volumes,
+    "free_volume": free_volume,
+    "free_volume_mesh": free_volume_mesh,
+}

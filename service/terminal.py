@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -54,6 +54,18 @@ def print_rows(title: str, rows: Iterable[Row]) -> None:
     table.add_column(overflow="fold")
     for name, value in rows:
         table.add_row(Text(name), Text(value))  # as they are: a panel's title may look like markup
+    console = _Output()
+    console.width = max(console.width, _LEAST_WIDTH)
+    console.print(table)
+
+
+def print_table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout, the last column folded where it is too wide."""
+    table = Table(title=Text(title), title_justify="left")
+    for name in head:
+        table.add_column(Text(name), no_wrap=name != head[-1], overflow="fold")
+    for row in rows:
+        table.add_row(*map(Text, row))
     console = _Output()
     console.width = max(console.width, _LEAST_WIDTH)
     console.print(table)

@@ -13,6 +13,9 @@ pairs      the questions that wait, and which of them are not proved
 edge       the edge test of `robots.certified_edge`
 space      `KernelSpace`, the Space of one link
 stations   `KernelStations`, the checks of a station
+turned     a solid of the die turned about the tool axis, and the arc that one direction proves
+turn       the free die angles of a whole turn
+turns      `KernelTurns`, the free die angles at a fastener
 under_face the pieces of a stack that lie under the tip's face
 plain      values without the type of a literal
 

@@ -11,8 +11,8 @@ from robots.surroundings import surroundings_of
 
 
 def warm() -> None:
-    """Ask for a link, a station and surroundings on a bare sheet: questions to a cell are one compiled entry,
-    those about the contact of a tip and about free ways two more.
+    """Ask for a link, a station, die angles and surroundings on a bare sheet: questions to a cell are one
+    compiled entry, those about the contact of a tip, about a turn and about free ways three more.
     """
     machine = load_machine(machine_ids()[0])
     sheet = Part("sheet", "skin", box(np.array([-0.5, -0.5, -0.002]), np.array([0.5, 0.5, 0.0]))[None])
@@ -22,6 +22,7 @@ def warm() -> None:
     cell = Cell(machine, next(iter(machine.dies)), panel)
     cell.link_space([]).is_free(machine.home)
     cell.process_is_free(rivet, machine.home, machine.home)
+    cell.free_arcs(rivet, machine.home, machine.home)
     surroundings_of(cell).at(machine.home)
 
 

@@ -68,7 +68,7 @@ def near_pieces(
     while top >= 0:
         node = stack[top]
         top -= 1
-        if _box_is_apart(boxes, node, swept, square):
+        if box_is_apart(boxes, node, swept, square):
             continue
         left, right = nodes[node, 0], nodes[node, 1]
         if left >= 0:
@@ -151,7 +151,7 @@ def _is_among(meant: Ints, n: int, piece: int) -> bool:
 
 
 @compiled_on_views
-def _box_is_apart(boxes: Array, node: int, swept: Array, square: float) -> bool:
+def box_is_apart(boxes: Array, node: int, swept: Array, square: float) -> bool:
     """Whether two boxes prove that the node is at least the margin, given squared, from the swept solid."""
     gap = 0.0
     for i in range(3):

@@ -1,7 +1,7 @@
 """`rivetplan plan`: a panel file in, a verified program file out."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from robots.cell import Checker
@@ -77,15 +77,19 @@ def _check_targets(
     taken = {panel_file.resolve(): "the panel"}
     targets = (program_file, "the program"), (report_file, "the report"), (escapes_file, "the escapes")
     for file, what in targets:
-        if file is None:
-            continue
-        _check_target(file)
-        if file.resolve() in taken:
-            raise Unusable([f"{file}: {what} would replace {taken[file.resolve()]}. Name another file."])
-        taken[file.resolve()] = what
+        if file is not None:
+            check_target(file, taken, what)
+            taken[file.resolve()] = what
 
 
-def _check_target(target: Path) -> None:
+def check_target(file: Path, taken: Mapping[Path, str], what: str) -> None:
+    """Find out whether `what` can be written to a file, and over none that is `taken`. Raises Unusable."""
+    _check_place(file)
+    if file.resolve() in taken:
+        raise Unusable([f"{file}: {what} would replace {taken[file.resolve()]}. Name another file."])
+
+
+def _check_place(target: Path) -> None:
     if target.is_dir():
         raise Unusable([f"{target}: is a directory. Name a file."])
     if target.exists() and not target.is_file():

@@ -7,12 +7,18 @@ Exception
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ValidationError
 
 from robots.errors import InputProblem, InvalidInput
 from robots.escape_file import FamilyEscapes, read_escapes
 from robots.machine import Machine
+from robots.schema_problems import schema_problems
 from robots.strict_json import read_document
 from service.inputs import Inputs, Places, gather
+
+_Model = TypeVar("_Model", bound=BaseModel)
 
 #: The program of the largest panel there may be, 50,000 fasteners, takes half of it.
 _MOST_BYTES = 400_000_000
@@ -57,6 +63,17 @@ def read_family(file: Path, machine: Machine) -> FamilyEscapes | None:
         return None
     with as_lines(f"{file}#"):
         return read_escapes(read(file), machine)
+
+
+def read_request(file: Path, model: type[_Model]) -> _Model:
+    """Return the request in a file: what is posted to the service. Raises Unusable."""
+    with as_lines(f"{file}#"):
+        document = read_document(file)
+        try:
+            return model.model_validate(document)
+        except ValidationError as error:
+            problems = [problem for _, problem in schema_problems(error.errors(), document, model)]
+            raise InvalidInput(problems) from None
 
 
 @contextmanager

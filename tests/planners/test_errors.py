@@ -9,6 +9,7 @@ EXAMPLES = [
     errors.NotFinite("goal"),
     errors.InvalidSetting("step", -1.0, "above 0"),
     errors.LimitExceeded("v", 2.0, 1.0),
+    errors.Collinear("F"),
 ]
 
 

@@ -103,6 +103,14 @@ def test_a_point_a_little_off_the_skin_still_finds_it() -> None:
     assert stacks[1].depth == pytest.approx(2.7e-3)
 
 
+def test_axes_that_meet_nothing_have_stacks_without_parts() -> None:
+    points, normals = places(FLAT, 1, 3)
+
+    stacks = find_stacks(layers(FLAT, [1.6e-3]), points + np.array([2.0, 0.0, 0.0]), normals)
+
+    assert [(stack.parts, stack.depth, stack.grip) for stack in stacks] == [((), 0.0, 0.0)] * 3
+
+
 def test_axes_along_seams_between_facets_are_not_lost() -> None:
     grid = Grid(Surface(1.975, 8.1), 1.0, 1.0)
     parts = layers(grid, [1.6e-3, 1.6e-3])

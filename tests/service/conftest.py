@@ -15,8 +15,13 @@ import pytest
 import uvicorn
 from fastapi import FastAPI
 
+from service import tasks
+from service.access_schemas import AccessibilityRequest
 from service.answers import Answer
 from service.app import create_app
+from service.area_schemas import AreaRequest, VolumeRequest
+from service.free_volume_schemas import FreeVolumeRequest
+from service.pattern_schemas import RivetPatternRequest
 from service.schemas import MotionRequest, ProgramRequest
 from service.settings import Settings
 from service.strict_json import JsonLimits
@@ -45,6 +50,24 @@ class FakeEngine:
 
     async def motion(self, request: MotionRequest) -> Answer:
         return self._answer(request)
+
+    async def accessibility(self, request: AccessibilityRequest) -> Answer:
+        return tasks.accessibility(request, SETTINGS)
+
+    async def accessibility_areas(self, request: AreaRequest) -> Answer:
+        return tasks.accessibility_areas(request, SETTINGS)
+
+    async def accessibility_volumes(self, request: VolumeRequest) -> Answer:
+        return tasks.accessibility_volumes(request, SETTINGS)
+
+    async def free_volume(self, request: FreeVolumeRequest) -> Answer:
+        return tasks.free_volume(request, SETTINGS)
+
+    async def free_volume_mesh(self, request: FreeVolumeRequest) -> Answer:
+        return tasks.free_volume_mesh(request, SETTINGS)
+
+    async def rivet_pattern(self, request: RivetPatternRequest) -> Answer:
+        return tasks.rivet_pattern(request, SETTINGS)
 
     def _answer(self, request: ProgramRequest | MotionRequest) -> Answer:
         if self.fault is not None:

@@ -126,6 +126,24 @@ def test_motion_between_fasteners_is_timed_and_certified(
     assert service.post("/v1/motions", json=back).json()["status"] == "success"
 
 
+def test_rivet_pattern_comes_from_a_worker(service: httpx.Client, client: httpx.Client) -> None:
+    request = json.loads((CROSSING.parent / "pattern_sheet.json").read_bytes())
+
+    response = service.post("/v1/rivet-patterns", json=request)
+
+    assert response.status_code == 200, response.text[:500]
+    assert response.content == client.post("/v1/rivet-patterns", json=request).content
+
+
+def test_accessibility_comes_from_a_worker(service: httpx.Client, client: httpx.Client) -> None:
+    request = {"panel": json.loads(CROSSING.read_bytes()), "dies": ["straight"]}
+
+    response = service.post("/v1/accessibility", json=request)
+
+    assert response.status_code == 200, response.text[:500]
+    assert response.content == client.post("/v1/accessibility", json=request).content
+
+
 def test_motion_that_starts_in_collision_is_a_problem_that_names_the_pair(
     service: httpx.Client, crossing: dict[str, Any]
 ) -> None:
