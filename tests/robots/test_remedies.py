@@ -8,13 +8,18 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from robots.access.clip_remedies import alone
 from robots.access.panel_access import PanelAccess, fastener_access
 from robots.access.remedies import Limits, Remedies, Remedy, RemedyFinder, RemedyKind
 from robots.access.remedy_edits import AddDie, Adjust, Edit, ShiftClip, UseDie, changed_dies, changed_panel
+from robots.access.trials import PanelTrials
 from robots.cell import Cell
+from robots.panel_file import load_panel
 from tests.robots import remedy_panels
+from tests.robots.panels import SURFACES, small_panel
 from tests.robots.remedy_panels import RIVETER, Bench, is_reached, of_kind, planned_again
 
 LIBRARY = json.loads(RIVETER.dies.definition)
@@ -323,3 +328,57 @@ def test_every_remedy_of_a_whole_panel_makes_its_fastener_reachable() -> None:
 
     assert helped == 24
     assert seen >= {"other_die", "move_fastener", "narrower_die"}
+
+
+@pytest.mark.long
+def test_where_a_die_fits_but_has_no_way_the_search_gives_up() -> None:
+    bench = Bench(remedy_panels.in_a_bottle(), ("offset35",))
+    _, access = bench.access("inside")
+
+    assert access.hindrances[0][1].no_path
+    assert bench.remedies("inside").found == ()
+
+
+@pytest.mark.parametrize("row", [0, 1])
+def test_a_clip_alone_has_its_fasteners_as_the_panel_has(row: int) -> None:
+    document = small_panel()
+    bench = Bench(document, ("long_reach",))
+    name = [f.id for f in bench.panel.fasteners if f.row == document["rows"][row]["id"]][1]
+    _, access = bench.access(name)
+
+    panel = load_panel(alone(document, "K1", access))
+
+    (index,) = (i for i, f in enumerate(panel.fasteners) if f.id == name)
+    assert np.array_equal(panel.fasteners[index].p, access.fastener.p)
+    assert panel.stacks[index] == access.stack
+    assert {f.member for f in panel.fasteners} == {access.fastener.member}
+
+
+@pytest.mark.parametrize("by", [{"x_mm": 3.0}, {"arc_mm": -2.0}, {"tilt_x_deg": 0.3, "tilt_arc_deg": -0.2}])
+@pytest.mark.parametrize("surface", SURFACES)
+def test_a_trial_is_the_fastener_that_the_document_makes(
+    surface: dict[str, float], by: dict[str, float]
+) -> None:
+    document = small_panel(surface=surface)
+    panel = load_panel(document)
+    index = [f.id for f in panel.fasteners].index("R1.S1.004")
+
+    trial = PanelTrials(panel, document).trial(index, **by)
+
+    assert trial is not None
+    loaded = load_panel(changed_panel(trial.edit, document))
+    assert np.array_equal(loaded.fasteners[index].p, trial.fastener.p)
+    assert np.array_equal(loaded.fasteners[index].n, trial.fastener.n)
+    assert loaded.fasteners[index].grip == pytest.approx(trial.fastener.grip, abs=1e-12)
+    assert loaded.stacks[index].parts == trial.stack.parts
+    assert loaded.stacks[index].depth == pytest.approx(trial.stack.depth, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "by", [{"arc_mm": 60.0}, {"arc_mm": 8.5}, {"x_mm": 600.0}, {"x_mm": 15.0}, {"tilt_x_deg": 2.1}]
+)
+def test_what_the_panels_checks_refuse_is_no_trial(by: dict[str, float]) -> None:
+    document = small_panel()
+    panel = load_panel(document)
+
+    assert PanelTrials(panel, document).trial(4, **by) is None
