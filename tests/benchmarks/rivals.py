@@ -58,15 +58,15 @@ Box = tuple[Array, Array, int]
 Boxes = Callable[[Machine, Space, Array, Array], Iterator[Box]]
 
 
-def rivals(seeds: int, anytime_seeds: int) -> list[Contender]:
-    """All of OMPL's planners that we compare with."""
+def rivals(seeds: int, slow_seeds: int) -> list[Contender]:
+    """All of OMPL's planners that we compare with; slow_seeds: of those that take seconds for a link."""
     full, region = _full_range, _regions
     return [
         _contender(REGION, og.RRTConnect, region, seeds),
-        _contender("OMPL RRTConnect, full", _short_branches, full, seeds),
-        _contender("OMPL LBKPIECE1, region", og.LBKPIECE1, region, seeds),
-        _contender("OMPL LBKPIECE1, full", og.LBKPIECE1, full, seeds),
-        _contender(BEST_TIME, og.BITstar, _first_region, anytime_seeds, timed=True),
+        _contender("OMPL RRTConnect, full", _short_branches, full, slow_seeds),
+        _contender("OMPL LBKPIECE1, region", og.LBKPIECE1, region, slow_seeds),
+        _contender("OMPL LBKPIECE1, full", og.LBKPIECE1, full, slow_seeds),
+        _contender(BEST_TIME, og.BITstar, _first_region, slow_seeds, timed=True),
     ]
 
 
