@@ -1,7 +1,8 @@
 """Accessibility of a whole panel: every fastener with every die, what becomes of it, and what that comes to.
 
-A fastener is asked about by itself, from the machine's home and back: so the answer does not depend on the
-order of a program, and a fastener that is reached here is one that a program can install.
+A fastener is asked about by itself, from the machine's home and back, and so apart from the order of a
+program. Escapes are kept from one fastener to the next: they make a way quicker to find, seldom one that no
+search would find.
 """
 
 from __future__ import annotations
