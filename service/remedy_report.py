@@ -72,7 +72,7 @@ def _text(remedy: Remedy) -> str:
     with_die = "" if isinstance(remedy.edit, UseDie | AddDie) else f" with die {remedy.die_id}"
     return (
         f"{change}: reached{with_die} at {angle}; then {gap.solid} and {gap.other} are "
-        f"{millimetres(gap.gap):.1f} mm apart, {millimetres(gap.needed):.1f} mm are needed"
+        f"{clearance_mm(gap.gap):.2f} mm apart, {millimetres(gap.needed):.2f} mm are needed"
     )
 
 

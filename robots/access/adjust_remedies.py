@@ -12,6 +12,7 @@ from robots.access.smallest import Outcome, Patience, Success, smallest
 from robots.access.trials import Trial
 from robots.definition_file import meters
 from robots.dies import Die
+from robots.panel import Fastener, Panel, Stack
 
 _PER_DEGREE = 20
 """Amounts of a degree that are told apart."""
@@ -68,7 +69,7 @@ def moves(case: Case) -> tuple[list[Remedy], Tried]:
     """The smallest move each way along the row after which one of the dies reaches the fastener."""
     limit_mm = case.shop.limits.move_mm
     found = []
-    for towards in _ways(case):
+    for towards in ways(case.fastener, case.access.stack, case.shop.desk.panel):
         moved = smallest(partial(_moved, case, towards), COARSE, int(limit_mm * PER_MM + ROUNDING))
         trial = None if moved is None else _move(case, towards, moved[0])
         if moved is not None and trial is not None:
@@ -81,9 +82,11 @@ def moves(case: Case) -> tuple[list[Remedy], Tried]:
     return found, Tried("move_fastener", dies, meters(limit_mm), len(found))
 
 
-def _ways(case: Case) -> list[Direction]:
-    member = case.fastener.member or case.access.stack.parts[-1]
-    axes = _ROWS_RUN.get(case.shop.desk.panel.part(member).kind, ("x", "arc"))
+def ways(fastener: Fastener, stack: Stack, panel: Panel) -> list[Direction]:
+    """Where a fastener may be moved: along the rows of its row's member, else of the innermost part that it
+    joins.
+    """
+    axes = _ROWS_RUN.get(panel.part(fastener.member or stack.parts[-1]).kind, ("x", "arc"))
     return [(sense, 0) if axis == "x" else (0, sense) for axis in axes for sense in (1, -1)]
 
 

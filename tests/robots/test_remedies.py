@@ -8,18 +8,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from robots.access.clip_remedies import alone
 from robots.access.panel_access import PanelAccess, fastener_access
 from robots.access.remedies import Limits, Remedies, Remedy, RemedyFinder, RemedyKind
 from robots.access.remedy_edits import AddDie, Adjust, Edit, ShiftClip, UseDie, changed_dies, changed_panel
-from robots.access.trials import PanelTrials
 from robots.cell import Cell
-from robots.panel_file import load_panel
 from tests.robots import remedy_panels
-from tests.robots.panels import SURFACES, small_panel
 from tests.robots.remedy_panels import RIVETER, Bench, is_reached, of_kind, planned_again
 
 LIBRARY = json.loads(RIVETER.dies.definition)
@@ -339,46 +334,50 @@ def test_where_a_die_fits_but_has_no_way_the_search_gives_up() -> None:
     assert bench.remedies("inside").found == ()
 
 
-@pytest.mark.parametrize("row", [0, 1])
-def test_a_clip_alone_has_its_fasteners_as_the_panel_has(row: int) -> None:
-    document = small_panel()
-    bench = Bench(document, ("long_reach",))
-    name = [f.id for f in bench.panel.fasteners if f.row == document["rows"][row]["id"]][1]
-    _, access = bench.access(name)
+def test_a_fastener_may_be_moved_away_from_one_that_is_too_near_already() -> None:
+    document = remedy_panels.beside_a_frame()
+    document["fasteners"].append({**document["fasteners"][0], "id": "close", "p_mm": [-6.0, 0.0, 0.0]})
 
-    panel = load_panel(alone(document, "K1", access))
+    (move,) = of_kind(Bench(document, ("long_reach",)).remedies("near"), "move_fastener")
 
-    (index,) = (i for i, f in enumerate(panel.fasteners) if f.id == name)
-    assert np.array_equal(panel.fasteners[index].p, access.fastener.p)
-    assert panel.stacks[index] == access.stack
-    assert {f.member for f in panel.fasteners} == {access.fastener.member}
+    assert move.edit == Adjust("near", x_mm=-0.2)
 
 
-@pytest.mark.parametrize("by", [{"x_mm": 3.0}, {"arc_mm": -2.0}, {"tilt_x_deg": 0.3, "tilt_arc_deg": -0.2}])
-@pytest.mark.parametrize("surface", SURFACES)
-def test_a_trial_is_the_fastener_that_the_document_makes(
-    surface: dict[str, float], by: dict[str, float]
+@pytest.mark.parametrize(("lean_deg", "towards"), [(0.3, "+x"), (0.35, "+x-arc"), (0.65, "+x-arc")])
+def test_all_tilts_together_stay_within_the_limit_or_lean_less_than_before(
+    lean_deg: float, towards: str
 ) -> None:
-    document = small_panel(surface=surface)
-    panel = load_panel(document)
-    index = [f.id for f in panel.fasteners].index("R1.S1.004")
+    adjustments = [{"fastener": "near", "tilt_arc_deg": lean_deg}]
+    bench = Bench(remedy_panels.beside_a_frame(adjustments=adjustments), ("long_reach",))
 
-    trial = PanelTrials(panel, document).trial(index, **by)
+    (tilt,) = of_kind(bench.remedies("near"), "tilt")
 
-    assert trial is not None
-    loaded = load_panel(changed_panel(trial.edit, document))
-    assert np.array_equal(loaded.fasteners[index].p, trial.fastener.p)
-    assert np.array_equal(loaded.fasteners[index].n, trial.fastener.n)
-    assert loaded.fasteners[index].grip == pytest.approx(trial.fastener.grip, abs=1e-12)
-    assert loaded.stacks[index].parts == trial.stack.parts
-    assert loaded.stacks[index].depth == pytest.approx(trial.stack.depth, abs=1e-12)
+    assert tilt.direction == towards
+    assert isinstance(tilt.edit, Adjust)
+    after = math.hypot(tilt.edit.tilt_x_deg, tilt.edit.tilt_arc_deg)
+    assert after <= max(Limits().tilt_deg, lean_deg) + 1e-6
+    by = math.hypot(tilt.edit.tilt_x_deg, tilt.edit.tilt_arc_deg - lean_deg)
+    assert math.degrees(tilt.amount) == pytest.approx(by, abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    "by", [{"arc_mm": 60.0}, {"arc_mm": 8.5}, {"x_mm": 600.0}, {"x_mm": 15.0}, {"tilt_x_deg": 2.1}]
-)
-def test_what_the_panels_checks_refuse_is_no_trial(by: dict[str, float]) -> None:
-    document = small_panel()
-    panel = load_panel(document)
+def test_a_limit_beyond_what_can_be_made_is_no_hindrance() -> None:
+    bench, name = BENCHES["frame"]
+    wide = replace(bench, limits=Limits(narrower=1.0)).remedies(name)
 
-    assert PanelTrials(panel, document).trial(4, **by) is None
+    assert of_kind(wide, "narrower_die") == of_kind(remedies("frame"), "narrower_die")
+
+
+def test_one_that_was_not_reached_before_does_not_keep_a_clip_where_it_is() -> None:
+    document = remedy_panels.behind_a_clip(("other", -16.2, -36.8))  # the clip's foot is under the tip there
+
+    assert of_kind(Bench(document, ("long_reach",)).remedies("end"), "shift_clip")
+
+
+def test_the_die_angle_is_that_of_the_way_from_the_fastener_before() -> None:
+    document = remedy_panels.beside_a_frame()
+    document["fasteners"][0]["p_mm"] = [-90.0, 40.0, 0.0]
+    bench = Bench(document, ("long_reach",))
+    (remedy,) = (each for each in bench.remedies("near").found if each.die_id == "offset35")
+
+    assert_as_told(remedy, planned_again(remedy, bench), "near")
+    assert remedy.die_angle != pytest.approx(RIVETER.axis("C").home)

@@ -6,15 +6,19 @@ from dataclasses import replace
 from functools import cache
 from typing import get_args
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots.access.panel_access import FastenerAccess, Hindrance, PanelAccess
+from robots.access.reach import DieReach
 from robots.access.remedy import Remedies
 from robots.cell import Blockage
+from robots.die_angles import DieAngles, free_angles
 from robots.errors import InvalidInput
 from robots.panel import Stack
+from robots.riveter import OutOfLimits
 from service.access_overview import overview
 from service.access_report import accessibility_report
 from service.access_schemas import AccessShare, AccessStatus, FastenerAccessibility, PanelAccessibility
@@ -23,7 +27,7 @@ from service.die_pass import Cancelled
 from service.inputs import Inputs, Places, gather
 from service.panel_check import check_panel
 from service.programming import ProgressEvent, program_panel
-from tests.robots.rigs import MACHINE, crossing
+from tests.robots.rigs import MACHINE, crossing, riveted
 from tests.service.conftest import ROOT
 from tests.service.test_programming import at_home, mixed
 
@@ -154,6 +158,19 @@ def test_statuses_are_those_of_the_angles_and_dies(check: tuple[str, str]) -> No
             assert taken.turned_deg == pytest.approx(turned, abs=0.01)
 
 
+def test_intervals_are_the_free_angles_in_degrees() -> None:
+    where, panel = riveted(crossing(), "j20"), crossing()
+    differ = 0
+    for found, fastener, stack in zip(
+        checked("crossing", "j20,straight").fasteners, panel.fasteners, panel.stacks, strict=True
+    ):
+        angles = free_angles(where, fastener, stack)
+        assert found.dies[0].fits_deg == [pytest.approx(each) for each in np.degrees(angles.fits).tolist()]
+        assert found.dies[0].roomy_deg == [pytest.approx(each) for each in np.degrees(angles.roomy).tolist()]
+        differ += found.dies[0].fits_deg != found.dies[0].roomy_deg
+    assert differ
+
+
 @pytest.mark.parametrize("check", CHECKS)
 def test_direct_is_the_default_angle_where_it_has_room(check: tuple[str, str]) -> None:
     """An angle with the clearance of transit is taken rather than the default one where that merely fits."""
@@ -205,14 +222,16 @@ def test_a_blocked_die_is_told_with_pair_gap_need_and_angle() -> None:
     assert f"at its best angle {offset.reason.angle_deg:.0f} deg" in offset.reason.text
 
 
-def test_an_axis_out_of_limits_is_told_with_how_much_is_lacking() -> None:
-    reason = checked_mixed("straight").fasteners[3].reason
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_axis_out_of_limits_is_told_with_how_much_is_lacking(sign: float) -> None:
+    beyond = Hindrance(out_of_limits=OutOfLimits("A", sign * 1.4, -1.3, 1.3, 0.1))
+
+    reason = reported((("j20", beyond),)).reason
 
     assert reason is not None
-    assert reason.axis in ("A", "B")
-    assert reason.value is not None
-    assert reason.limit is not None
-    assert reason.beyond == pytest.approx(abs(reason.value) - abs(reason.limit), abs=1e-6)
+    assert (reason.code, reason.die, reason.axis) == ("axis_out_of_limits", "j20", "A")
+    assert (reason.value, reason.limit) == pytest.approx(np.degrees([sign * 1.4, sign * 1.3]), abs=1e-6)
+    assert reason.beyond == pytest.approx(math.degrees(0.1), abs=1e-5)
     assert (reason.solid, reason.gap_mm, reason.angle_deg) == (None, None, None)
 
 
@@ -237,9 +256,13 @@ def test_a_way_that_was_not_found_is_told_with_the_reason_of_the_search() -> Non
         ),
     )
 
-    found = reported(hindrances)
+    shut_in = DieReach(DieAngles("j20", np.array([[0.0, 1.0]]), np.empty((0, 2))), 0.5)
 
-    assert found.status == "inaccessible"
+    found = reported(hindrances, reaches=(shut_in,))
+
+    (die,) = found.dies
+    assert (die.reached, die.angle_deg, die.turned_deg, len(die.fits_deg)) == (False, None, None, 1)
+    assert die.reason == found.reason
     assert found.reason is not None
     assert (found.reason.code, found.reason.die) == ("no_path", "j20")  # the die fits: least is lacking
     assert (found.reason.solid, found.reason.part) == ("shank", "S2")
@@ -248,11 +271,13 @@ def test_a_way_that_was_not_found_is_told_with_the_reason_of_the_search() -> Non
 
 
 def reported(
-    hindrances: tuple[tuple[str, Hindrance], ...], remedies: Remedies | None = None
+    hindrances: tuple[tuple[str, Hindrance], ...],
+    remedies: Remedies | None = None,
+    reaches: tuple[DieReach, ...] = (),
 ) -> FastenerAccessibility:
     """What is told of the first fastener of the crossing where these hinder the dies."""
     panel = crossing()
-    access = FastenerAccess(panel.fasteners[0], panel.stacks[0], "inaccessible", (), None, hindrances)
+    access = FastenerAccess(panel.fasteners[0], panel.stacks[0], "inaccessible", reaches, None, hindrances)
     known = {} if remedies is None else {access.fastener.id: remedies}
     report = accessibility_report(PanelAccess(panel, MACHINE, (), (access,)), known)
     assert (report.remedies.searched, report.remedies.inaccessible) == (len(known), 1)
@@ -296,6 +321,15 @@ def test_stopped_it_ends_at_the_next_fastener(after: int) -> None:
         )
 
     assert told[-1] == ProgressEvent("check", after, 12)
+
+
+def test_stopped_at_once_it_does_not_begin() -> None:
+    told: list[ProgressEvent] = []
+
+    with pytest.raises(Cancelled):
+        check_panel(inputs("crossing", "straight"), progress=told.append, stop=lambda: True)
+
+    assert told == []
 
 
 def test_a_panel_in_the_way_of_the_home_position_is_a_wrong_input() -> None:

@@ -66,7 +66,7 @@ def test_a_remedy_is_told_in_words_and_numbers_and_as_a_change_of_the_inputs(kin
 
     assert told is not None
     (found,), (looked,) = told.found, told.tried
-    assert found.text == f"{words} -70 deg; then neck and S1 are 1.2 mm apart, 1.1 mm are needed"
+    assert found.text == f"{words} -70 deg; then neck and S1 are 1.23 mm apart, 1.05 mm are needed"
     assert (found.clearance_mm, found.needs_mm, found.angle_deg) == (1.2345, 1.05, -70.0)
     assert (looked.kind, looked.subjects, looked.found, looked.skipped) == (kind, [subject], 1, "")
     for one in (found.amount_mm, looked.limit_mm):
