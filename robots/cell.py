@@ -35,6 +35,7 @@ from robots.solids import Solid, bounding_sphere, reach_about_axis
 
 if TYPE_CHECKING:
     from robots.kernel.flat import FlatCell
+    from robots.kernel.space import KernelSpaces
     from robots.kernel.turns import FreeArcs, KernelTurns
 
 CERTIFICATE_MARGIN = 0.00005
@@ -149,10 +150,14 @@ class Cell:
         """The Space of a link whose open poses are `anchors`, each (n,)."""
         if self.checker == "coal":
             return LinkSpace(self, [self.tip_at(q) for q in anchors])
-        # Imported when first used: commands that plan nothing need not wait for the compiled kernel to load.
-        from robots.kernel.space import KernelSpace, tips_at
+        return self._link_spaces.of_link(anchors)
 
-        return KernelSpace(self.flat, self.machine.lower, self.machine.upper, tips_at(self.flat, anchors))
+    @cached_property
+    def _link_spaces(self) -> KernelSpaces:
+        # Imported when first used: commands that plan nothing need not wait for the compiled kernel to load.
+        from robots.kernel.space import KernelSpaces
+
+        return KernelSpaces(self.flat, self.machine.lower, self.machine.upper)
 
     @cached_property
     def flat(self) -> FlatCell:

@@ -15,12 +15,11 @@ from robots.kernel.edge import ADVANCE, POLICY, ask
 from robots.kernel.flat import FlatCell, pack
 from robots.kernel.layout import MACHINE
 from robots.kernel.poses import die_tips
-from robots.kernel.work import new_blocks
+from robots.kernel.work import block_sizes, new_blocks
 
 if TYPE_CHECKING:  # the cell offers this Space, so it is the one to import the other
     from robots.cell import Cell
 
-_AXES = 7
 _CLEARANCE_CAP = 0.050
 _CLEARANCE_STEP = 0.0001
 
@@ -45,32 +44,52 @@ def flat_cell(cell: Cell, margin: float) -> FlatCell:
     )
 
 
-def tips_at(flat: FlatCell, poses: Sequence[Array]) -> Array:
-    """The die tips (P, 3) at `poses`, each (7,), in the panel frame [m]."""
-    rows, tips = np.array(poses, dtype=np.float64).reshape(-1, _AXES), np.empty((len(poses), 3))
-    die_tips(flat.numbers[:MACHINE], rows, np.empty((6, 12)), tips)
-    return tips
+class KernelSpaces:
+    """Makes the Spaces of a cell's links; what they share is worked out once.
+
+    flat: the packed cell. lower, upper: axis limits (7,). One thread at a time may ask.
+    """
+
+    def __init__(self, flat: FlatCell, lower: Array, upper: Array) -> None:
+        self._flat, self._lower, self._upper = flat, lower, upper
+        self._sizes, self._frames = block_sizes(flat.indices), np.empty((6, 12))
+        self._machine = flat.numbers[:MACHINE]
+
+    def of_link(self, poses: Sequence[Array]) -> KernelSpace:
+        """The Space of a link whose open poses are `poses`, each (7,)."""
+        anchors = np.empty((len(poses), 3))
+        if poses:
+            die_tips(self._machine, np.array(poses, dtype=np.float64), self._frames, anchors)
+        return KernelSpace(self._flat, self._lower, self._upper, anchors, self._sizes)
 
 
 class KernelSpace:
     """Space of one link: transit clearance, and the smaller one near the open poses at both ends.
 
-    flat: the packed cell. lower, upper: axis limits (7,). anchors: die tips of the link's open poses, each
-    (3,), panel frame [m]. A solid inside a part is not free: pieces are solid here, not surfaces. Counts what
-    it was asked, for the tables: `edges`. One thread at a time may ask one Space.
+    flat: the packed cell. lower, upper: axis limits (7,). anchors: die tips (P, 3) of the link's open poses,
+    panel frame [m]. sizes: of the work space, see `block_sizes`. A solid inside a part is not free: pieces
+    are solid here, not surfaces. Counts what it was asked, for the tables: `edges`. One thread at a time may
+    ask one Space.
     """
 
-    def __init__(self, flat: FlatCell, lower: Array, upper: Array, anchors: Sequence[Array] | Array) -> None:
+    def __init__(
+        self,
+        flat: FlatCell,
+        lower: Array,
+        upper: Array,
+        anchors: Array,
+        sizes: tuple[int, int],
+    ) -> None:
         self._numbers, self._indices = flat
-        self._work = new_blocks(self._indices)
-        self._anchors = np.array(anchors, dtype=np.float64).reshape(-1, 3)
+        self._work = new_blocks(sizes)
+        self.anchors = anchors
         self._edge = np.empty((2, len(lower)))  # what is asked about, in the one type that is compiled for
         self.lower, self.upper = lower, upper
         self.edges = 0
 
     @cached_property
     def _handle(self) -> Handle:
-        return Handle(self._numbers, self._indices, *self._work, self._anchors)
+        return Handle(self._numbers, self._indices, *self._work, self.anchors)
 
     @property
     def native(self) -> NativeSpace:
@@ -111,4 +130,4 @@ class KernelSpace:
 
     def _ask(self, path: Array, question: int, clearance: float = POLICY) -> float:
         flat, work = (self._numbers, self._indices), self._work
-        return float(ask(*flat, *work, self._anchors, path, question, clearance))
+        return float(ask(*flat, *work, self.anchors, path, question, clearance))

@@ -9,7 +9,7 @@ from planners.native import POSE
 from robots.kernel.edge import POLICY, STATION, ask
 from robots.kernel.flat import FlatCell
 from robots.kernel.layout import Ints
-from robots.kernel.work import new_blocks
+from robots.kernel.work import block_sizes, new_blocks
 
 _NO_ANCHORS: Array = np.empty((0, 3))
 
@@ -22,7 +22,7 @@ class KernelStations:
 
     def __init__(self, flat: FlatCell) -> None:
         self._flat = flat
-        self._work = new_blocks(flat.indices)
+        self._work = new_blocks(block_sizes(flat.indices))
 
     def has_transit_clearance(self, q: Array) -> bool:
         """Whether `q` (7,) is within limits and keeps the clearances of transit."""

@@ -121,12 +121,17 @@ def views_of(numbers: Array, indices: Ints) -> Any:
     )
 
 
-def new_blocks(indices: Ints) -> tuple[Array, Ints]:
-    """The two blocks of work space for a packed cell; one call at a time may use them."""
+def block_sizes(indices: Ints) -> tuple[int, int]:
+    """Lengths of the two blocks of work space for a packed cell."""
     H, S, K, depth = indices[[N_PIECES, N_SOLIDS, N_PAIRS, DEPTH]].tolist()
     numbers = 7 + SLOTS * (6 * 12 + 2 * S * POSE) + 4 * K + 2 * LEVELS + SWEPT + 33
     whole = 1 + H + (LEVELS + 1) * (K * MOST + 2) + 2 * S * SLOTS + MOST + 1 + depth + 2
-    return np.empty(numbers), np.empty(whole, dtype=np.int64)
+    return numbers, whole
+
+
+def new_blocks(sizes: tuple[int, int]) -> tuple[Array, Ints]:
+    """The two blocks of work space of these lengths; one call at a time may use them."""
+    return np.empty(sizes[0]), np.empty(sizes[1], dtype=np.int64)
 
 
 @compiled_on_views

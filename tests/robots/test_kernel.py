@@ -17,6 +17,7 @@ from planners.arrays import Array
 from robots.cell import CERTIFICATE_MARGIN, Cell, LinkSpace
 from robots.kernel.flat import FlatCell, flat_panel, pack
 from robots.kernel.space import KernelSpace, flat_cell
+from robots.kernel.work import block_sizes
 from robots.panel import Panel
 from tests.robots.flat_crossing import flat_crossing, part
 from tests.robots.test_cell import FAR, FINE, MACHINE, cell, near_crossing, tilted
@@ -33,12 +34,17 @@ def flat(die: str, extra: bool = False) -> FlatCell:
 
 
 def kernel(die: str, anchors: Sequence[Array] = FAR, extra: bool = False) -> KernelSpace:
-    return KernelSpace(flat(die, extra), MACHINE.lower, MACHINE.upper, anchors)
+    return among(flat(die, extra), anchors)
 
 
 def of(where: Cell, anchors: Sequence[Array] = FAR) -> KernelSpace:
     packed = flat_cell(where, CERTIFICATE_MARGIN)
-    return KernelSpace(packed, MACHINE.lower, MACHINE.upper, anchors)
+    return among(packed, anchors)
+
+
+def among(packed: FlatCell, anchors: Sequence[Array]) -> KernelSpace:
+    points = np.array(anchors).reshape(-1, 3)
+    return KernelSpace(packed, MACHINE.lower, MACHINE.upper, points, block_sizes(packed.indices))
 
 
 def pose(rng: np.random.Generator) -> Array:
@@ -296,7 +302,7 @@ def test_the_machine_does_not_run_into_itself(die: str) -> None:
     where, rng, tally = reaching(die), np.random.default_rng(61), Tally()
     machine = where.machine
     packed = flat_cell(where, CERTIFICATE_MARGIN)
-    compiled, exact = KernelSpace(packed, machine.lower, machine.upper, FAR), LinkSpace(where, FAR)
+    compiled, exact = among(packed, FAR), LinkSpace(where, FAR)
     for _ in range(400):
         a, b = np.array([machine.home, machine.home])
         for q in (a, b):

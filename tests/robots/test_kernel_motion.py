@@ -9,7 +9,7 @@ from robots.kernel.layout import MACHINE as MACHINE_ROW
 from robots.kernel.layout import PIECES, POSE_T, SOLIDS, Ints
 from robots.kernel.motion import motion_of_pairs
 from robots.kernel.poses import place_links
-from robots.kernel.space import tips_at
+from robots.kernel.space import KernelSpaces
 from tests.robots.test_cell import MACHINE, cell
 from tests.robots.test_kernel import DIES, flat
 
@@ -32,10 +32,11 @@ def test_the_anchors_of_a_link_are_the_tips_at_its_poses(die: str) -> None:
     where = cell(die)
     poses = list(np.random.default_rng(43).uniform(MACHINE.lower, MACHINE.upper, (20, 7)))
 
-    tips = tips_at(flat(die), poses)
+    spaces = KernelSpaces(flat(die), MACHINE.lower, MACHINE.upper)
+    anchors = spaces.of_link(poses).anchors
 
-    assert tips == pytest.approx(np.array([where.tip_at(q) for q in poses]), abs=1e-12)
-    assert tips_at(flat(die), []).shape == (0, 3)
+    assert anchors == pytest.approx(np.array([where.tip_at(q) for q in poses]), abs=1e-12)
+    assert spaces.of_link([]).anchors.shape == (0, 3)
 
 
 def test_links_are_where_the_chain_of_the_definition_puts_them() -> None:
