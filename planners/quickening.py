@@ -18,7 +18,7 @@ from planners.arrays import Array
 from planners.block_time import UNLIMITED, block_time, duration, limited
 from planners.compiled import compiled
 from planners.detector import Asking, Detector, Ints, edge_is_free, spent
-from planners.potential_field import copy
+from planners.potential_field import copy, same
 from planners.settings import PlannerSettings
 
 _FRACTIONS = (1.0, 0.4, 0.15)
@@ -56,9 +56,7 @@ def quickened(detector: Detector, path: Array, settings: PlannerSettings) -> Arr
     """
     work = begun(detector, path, settings)
     quicken(work, settings.smoothing_gain, settings.smoothing_refusals)
-    quick = work.path[: work.size[0]]
-    moving = np.diff(quick, axis=0).any(axis=1)  # a waypoint may have been drawn onto its neighbour
-    distinct: Array = quick[np.append(True, moving)]
+    distinct: Array = work.path[: work.size[0]]
     return distinct
 
 
@@ -92,9 +90,22 @@ def quicken(work: Quickening, gain: float, refusals: int) -> None:
         out, most = _best_left_out(work, gain * time)
         i, count, axis, side, fraction, drawn = _best_drawn(work, gain * time)
         if most == 0.0 and drawn == 0.0:
-            return
+            break
         moved = _left_out(work, out) if most >= drawn else _draw(work, i, count, axis, side, fraction)
         refused = 0 if moved else refused + 1
+    _keep_distinct(work)
+
+
+@compiled
+def _keep_distinct(work: Quickening) -> None:
+    """Leave out waypoints that were drawn onto their neighbour."""
+    kept = 1
+    for i in range(1, work.size[0]):
+        if not same(work.path[i], work.path[kept - 1]):
+            copy(work.path[i], work.path[kept])
+            work.times[kept - 1] = work.times[i - 1]
+            kept += 1
+    work.size[0] = kept
 
 
 @compiled
