@@ -14,16 +14,21 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 
 from planners.arrays import Array, frozen
+from planners.detector import Detector
 from planners.escapes import Escape, EscapeLibrary
 from planners.link_planner import LinkPlanner, direct
-from planners.path import Path
+from planners.quickening import quickened
 from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
+from planners.settings import PlannerSettings
 from robots import riveter
 from robots.cell import Blockage, Cell, CertifiedSpace
 from robots.nc import NcAxes
 from robots.riveter_search import Heuristics, planner_settings
 from robots.stations import Station
 from robots.surroundings import surroundings_of
+
+_PATIENT_GAIN, _PATIENT_REFUSALS, _PATIENT_DETECTIONS = 0.003, 30, 200
+"""Of a program's last smoothing, see `PlannerSettings`: on hard links 8 % of their time for 0.4 ms each."""
 
 LONG_LINK = 0.5
 """[m] over the skin, about one frame bay: a longer link goes under the work, not from bay to bay."""
@@ -50,16 +55,27 @@ class Link:
 class LinkFinder:
     """Plans the links of one die, remembering escapes as it goes.
 
-    escapes: what earlier runs left behind for this die, oldest first. found: what this one adds.
+    escapes: what earlier runs left behind for this die, oldest first. found: what this one adds. polish:
+    smooth what a search found once more, patiently: for programs, where a machine runs for years what takes
+    half a millisecond here.
 
     Where the heuristics leave no way, the link is searched once more without them: what they inhibit is
     unlikely to help, not impossible.
     """
 
-    def __init__(self, cell: Cell, heuristics: Heuristics, seed: int, escapes: Sequence[Escape] = ()) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        heuristics: Heuristics,
+        seed: int,
+        escapes: Sequence[Escape] = (),
+        *,
+        polish: bool = False,
+    ) -> None:
         self._cell, self._seed = cell, seed
         settings = planner_settings(cell.machine, heuristics)
         self._planner = LinkPlanner(settings, EscapeLibrary(settings.escapes_kept, escapes))
+        self._patient = _patient(settings) if polish else None
         self._unguided = None if heuristics == "none" else LinkPlanner(planner_settings(cell.machine, "none"))
 
     @property
@@ -70,6 +86,11 @@ class LinkFinder:
     def between(self, start: Station, goal: Station, stop: Callable[[], bool]) -> Link:
         """From the open pose of one fastener to that of the next."""
         space = self._cell.link_space([start.opened, goal.opened])
+        return self._polished(space, self._between(space, start, goal, stop), stop)
+
+    def _between(
+        self, space: CertifiedSpace, start: Station, goal: Station, stop: Callable[[], bool]
+    ) -> Link:
         straight = direct(space, start.opened, goal.opened)
         if straight is not None:
             return Link(straight, straight.path.configurations)
@@ -87,9 +108,22 @@ class LinkFinder:
     def to_home(self, start: Station, stop: Callable[[], bool]) -> Link:
         """From the open pose of the last fastener to the machine's home."""
         space, home = self._cell.link_space([start.opened]), self._cell.machine.home
-        return self._under_the_work(space, start, home, stop) or self._search(
+        link = self._under_the_work(space, start, home, stop) or self._search(
             space, start.opened, home, start, stop
         )
+        return self._polished(space, link, stop)
+
+    def _polished(self, space: CertifiedSpace, link: Link, stop: Callable[[], bool]) -> Link:
+        """The link with its waypoints, legs and all, smoothed by time with patience; as it is where it should
+        not be or has none.
+        """
+        settings = self._patient
+        if settings is None or not link.ok or len(link.waypoints) <= 2:
+            return link
+        detector = Detector(space, settings.quickening_detections, stop)
+        quick = quickened(detector, link.waypoints, settings)
+        detector.raise_error()
+        return replace(link, waypoints=_as_programmed(quick))
 
     def _is_long(self, start: Station, goal: Station) -> bool:
         return float(np.linalg.norm(goal.fastener.p - start.fastener.p)) > LONG_LINK
@@ -176,7 +210,7 @@ class LinkFinder:
             result = self._unguided.plan(space, start, goal, where, rng, stop, name, blocked=blocked)
         if not result.ok:
             return Link(result, frozen(start[None]), self._in_the_way(space, start, goal))
-        return Link(result, _as_programmed(result.path))
+        return Link(result, _as_programmed(result.path.configurations))
 
     def _rng(self, start: Array, goal: Array) -> np.random.Generator:
         """A random source made from the link's content: the same link searches the same way in any order."""
@@ -188,6 +222,15 @@ class LinkFinder:
         if not space.is_free(start):
             return self._cell.closest(start, near_fastener=True)
         return self._cell.closest(space.advance(start, goal), near_fastener=False)
+
+
+def _patient(settings: PlannerSettings) -> PlannerSettings:
+    return replace(
+        settings,
+        smoothing_gain=_PATIENT_GAIN,
+        smoothing_refusals=_PATIENT_REFUSALS,
+        quickening_detections=_PATIENT_DETECTIONS,
+    )
 
 
 def _joined(results: Sequence[PlanResult]) -> PlanResult:
@@ -205,10 +248,10 @@ def _reversed(link: Link) -> Link:
     return replace(link, waypoints=frozen(link.waypoints[::-1]))
 
 
-def _as_programmed(path: Path) -> Array:
-    """The waypoints with the program's digits, which the ends have already."""
-    between = [NcAxes.of(q).q for q in path.configurations[1:-1]]
-    return frozen([path.start, *between, path.goal])
+def _as_programmed(path: Array) -> Array:
+    """The waypoints (N, n) with the program's digits, which the ends have already."""
+    between = [NcAxes.of(q).q for q in path[1:-1]]
+    return frozen([path[0], *between, path[-1]])
 
 
 def is_cancelled(link: Link) -> bool:

@@ -70,7 +70,7 @@ def plan_run(
     that cannot be reached from the one before is left out and the run goes on from where it stands. escapes:
     the memory it begins with. Raises Cancelled when `stop` says so.
     """
-    finder = LinkFinder(cell, heuristics, seed, escapes)
+    finder = LinkFinder(cell, heuristics, seed, escapes, polish=True)
     run = Run()
     came_from = None if before is None else panel.fasteners[before].p
     angle = cell.machine.axis("C").home

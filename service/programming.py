@@ -144,7 +144,10 @@ def _plan(
             tasks = _tasks(panel, die, itinerary.installed)
             escapes = known.of_die.get(die.id, ())
             runs = _counted(crew.plan(tasks, escapes), tasks, f"plan {die.id}", tell)
-            finder, mine = LinkFinder(cell, heuristics, seed, escapes), found.setdefault(die.id, [])
+            finder, mine = (
+                LinkFinder(cell, heuristics, seed, escapes, polish=True),
+                found.setdefault(die.id, []),
+            )
             itinerary.join(die.id, _noted(runs, mine), finder, stop)
             mine += finder.found
         itinerary.explain(panel, crew.here.cell)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from planners.arrays import Array
+from planners.block_time import block_time
 from planners.detector import never
 from planners.link_planner import LinkPlanner, RandomSource
 from planners.path import Path
@@ -149,6 +150,29 @@ def test_home_is_linked_both_ways(index: int) -> None:
     assert_certified(where, back, at.opened, MACHINE.home)
     assert np.array_equal(away.waypoints, back.waypoints[::-1])
     assert back.waypoints[:, W].min() == FULLY_DOWN
+
+
+def test_a_programs_links_are_polished_certified_and_never_slower() -> None:
+    limits, saved = np.array(planner_settings(MACHINE).limits), 0.0
+    for start, goal in ((0, 1), (2, 3), (1, 4), (0, 4), (4, 2)):
+        plain, polished = (
+            LinkFinder(row(), "heuristics_and_escapes", 0, polish=polish).between(
+                station(row(), start), station(row(), goal), never
+            )
+            for polish in (False, True)
+        )
+        assert_certified(row(), polished, station(row(), start).opened, station(row(), goal).opened)
+        before, after = (
+            sum(block_time(a, b, limits) for a, b in pairwise(each.waypoints)) for each in (plain, polished)
+        )
+        assert after <= before + 1e-6  # rounding to the program's digits
+        saved += before - after
+        if len(plain.waypoints) == 2:
+            assert np.array_equal(plain.waypoints, polished.waypoints)
+    assert saved > 0.1
+
+    home = LinkFinder(row(), "heuristics_and_escapes", 0, polish=True).from_home(station(row(), 2), never)
+    assert_certified(row(), home, MACHINE.home, station(row(), 2).opened)
 
 
 def test_same_seed_same_waypoints_whatever_was_planned_before() -> None:
