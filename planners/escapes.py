@@ -202,8 +202,8 @@ def replay(detector: Detector, escape: Escape, start: Array, goal: Array) -> Arr
     """Certified configurations (N, n) from `start` to `goal`, shape (n,) each, following `escape`; none if it
     fails.
 
-    The escape is followed from the start as far as it is free, and backwards from the goal likewise. Then the
-    two are joined by one straight segment: first from a waypoint to the one after it as the goal sees it (the
+    The escape is followed from the start as far as it is free, and backwards from the goal as far as needed.
+    The two are joined by one straight segment: first from a waypoint to the one after it as the goal sees it (the
     last waypoint straight to the goal and the start straight to the first waypoint are the two ends of that
     series), then between the two images of one and the same waypoint.
     """
@@ -221,10 +221,13 @@ def join_ends(asking: Asking, offsets: Array, start: Array, goal: Array, path: A
         for i in range(len(start)):
             departure[k, i] = offsets[k, i] - offsets[0, i] + start[i]
             arrival[k, i] = offsets[size - 1 - k, i] - offsets[size - 1, i] + goal[i]
-    left, right = _follow(asking, departure), _follow(asking, arrival)
+    left, right, most = _follow(asking, departure, 1, size - 1), 1, size - 1
     for shared in (size - 2, size - 1):
         for i in range(min(shared, left - 1), -1, -1):
             j = shared - i
+            if right <= j < most:  # the goal's side is followed no farther than it is asked for
+                right = _follow(asking, arrival, right, j + 1)
+                most = right if right <= j else most
             if j < right and edge_is_free(asking, departure[i], arrival[j]):
                 for k in range(i + j + 2):
                     copy(departure[k] if k <= i else arrival[i + j + 1 - k], path[k])
@@ -233,14 +236,14 @@ def join_ends(asking: Asking, offsets: Array, start: Array, goal: Array, path: A
 
 
 @compiled
-def _follow(asking: Asking, configurations: Array) -> int:
-    """How many of the leading `configurations` (N, n) are joined by certified segments; the first one is
-    taken as free.
+def _follow(asking: Asking, configurations: Array, first: int, end: int) -> int:
+    """How many of the leading `configurations` (N, n), at most `end`, are joined by certified segments; those
+    before `first` are.
     """
-    for k in range(1, len(configurations)):
+    for k in range(first, end):
         # At a joint stop the shifted waypoint is held at the stop: the test decides whether that still frees.
         for i in range(configurations.shape[1]):
             configurations[k, i] = min(max(configurations[k, i], asking.lower[i]), asking.upper[i])
         if not edge_is_free(asking, configurations[k - 1], configurations[k]):
             return k
-    return len(configurations)
+    return end

@@ -108,8 +108,8 @@ def test_a_second_link_of_the_same_kind_reuses_the_first_ones_escape() -> None:
 
     assert first.origin == "planned"
     assert second.origin == "reused:0.0"
-    legs = len(first.path) - 2  # followed from the start, and from the goal; one edge joins them
-    assert second.counts.detections == DIRECT_AND_ENDS + 2 * legs + 1
+    legs = len(first.path) - 2  # followed from the start; one edge leads to the goal
+    assert second.counts.detections == DIRECT_AND_ENDS + legs + 1
     assert is_certified(bays(), second.path.configurations)
     assert np.array_equal(second.path.start, station(0, 1))
     assert np.array_equal(second.path.goal, station(0, 2))
