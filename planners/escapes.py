@@ -203,9 +203,9 @@ def replay(detector: Detector, escape: Escape, start: Array, goal: Array) -> Arr
     fails.
 
     The escape is followed from the start as far as it is free, and backwards from the goal as far as needed.
-    The two are joined by one straight segment: first from a waypoint to the one after it as the goal sees it (the
-    last waypoint straight to the goal and the start straight to the first waypoint are the two ends of that
-    series), then between the two images of one and the same waypoint.
+    The two are joined by one straight segment: first from a waypoint to the one after it as the goal sees it
+    (the last waypoint straight to the goal and the start straight to the first waypoint are the two ends of
+    that series), then between the two images of one and the same waypoint.
     """
     offsets = np.array(escape.offsets)
     path = np.empty((2 * len(offsets), len(start)))

@@ -1,8 +1,8 @@
 """The command line. Heavy imports happen inside the commands, so that --help and bad options answer at once.
 
 Exit codes: 0 done (also where a program refuses some fasteners with a reason), 1 a check found fasteners out
-of reach, a program was rejected by the verifier, a pattern or a tool does not fit or a calibration is beyond
-its tolerance, 2 the input cannot be used.
+of reach, a program was rejected by the verifier, a text differs from its program, a pattern or a tool does
+not fit or a calibration is beyond its tolerance, 2 the input cannot be used.
 """
 
 import errno
@@ -120,6 +120,32 @@ def verify(
     from service.commands import verify as command
 
     if not _or_exit(lambda: command.verify(program, panel, machine=machine)):
+        raise typer.Exit(REJECTED)
+
+
+@app.command()
+def post(
+    program: Annotated[Path, typer.Argument(metavar="PROGRAM.json", show_default=False)],
+    dialect: Annotated[
+        Literal["sinumerik840d", "fanuc30i", "apt", "rapid", "csv", "ndjson"],
+        typer.Option(help="Whose text it is.", show_default=False),
+    ],
+    out: Annotated[
+        Path | None, typer.Option(help="The text. [default: named for the program, in this directory]")
+    ] = None,
+    check: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="TEXT", help="Write nothing: compare this text with the program. [default: none]"
+        ),
+    ] = None,
+) -> None:
+    """Write a program as a controller's text, or find what such a text says otherwise."""
+    from service.commands import post as command
+
+    if check is None:
+        _or_exit(lambda: command.post(program, dialect, out))
+    elif not _or_exit(lambda: command.check(program, check, dialect)):
         raise typer.Exit(REJECTED)
 
 

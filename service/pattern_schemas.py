@@ -79,8 +79,10 @@ class ArcOfPoints(Strict):
 
 
 def _kind_of_arc(value: object) -> str:
-    names = value if isinstance(value, dict) else vars(value)
-    return _POINTS if "points_mm" in names else _ENDS if "ends_mm" in names else _RADIUS
+    if isinstance(value, ArcOfPoints) or (isinstance(value, dict) and "points_mm" in value):
+        return _POINTS
+    is_of_ends = isinstance(value, ArcOfEnds) or (isinstance(value, dict) and "ends_mm" in value)
+    return _ENDS if is_of_ends else _RADIUS
 
 
 ArcOrder = Annotated[
