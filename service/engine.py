@@ -124,7 +124,9 @@ class ProcessEngine:
             self._replace(worker)
             raise ProblemError(
                 problem(
-                    "time_limit_exceeded", f"No answer within {limit_s:g} s.", remedy="Use `rivetplan plan`."
+                    "time_limit_exceeded",
+                    f"No answer within {limit_s:g} s.",
+                    remedy="Ask for less, or use `rivetplan` on the command line.",
                 )
             ) from None
         except WorkerLost:

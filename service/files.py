@@ -1,6 +1,7 @@
 """Files the command line writes: whole or not at all."""
 
 import os
+import secrets
 from pathlib import Path
 
 
@@ -10,7 +11,7 @@ def write_atomically(path: Path, data: bytes) -> None:
     A symbolic link stays one: the file it names is written.
     """
     path = path.resolve()
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".{secrets.token_hex(8)}.tmp")  # whatever an ended process left behind
     try:
         with temporary.open("xb") as file:
             file.write(data)

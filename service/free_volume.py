@@ -22,6 +22,7 @@ from robots.free_volume import (
     section_at,
     to_glb,
 )
+from robots.free_volume.obstacles import MOST_OBSTACLES
 from robots.machine import Machine
 from robots.panel import Fastener, Panel
 from robots.riveter import OutOfLimits
@@ -53,8 +54,11 @@ class FoundVolume:
     report: FreeVolumeAnswer
 
 
-def find_free_volume(inputs: Inputs, request: FreeVolumeRequest) -> FoundVolume:
-    """Find the free volume a request asks for. Raises InvalidInput."""
+def find_free_volume(inputs: Inputs, request: FreeVolumeRequest, most: int = MOST_OBSTACLES) -> FoundVolume:
+    """Find the free volume a request asks for.
+
+    most: pairs of a panel piece and a part of the tool; more are refused. Raises InvalidInput.
+    """
     panel, machine = inputs.panel, inputs.machine
     problems = [*_section_problems(request), *_angle_problems(request, machine), *_axis_problems(request)]
     fastener = next((each for each in panel.fasteners if each.id == request.fastener_id), None)
@@ -67,7 +71,7 @@ def find_free_volume(inputs: Inputs, request: FreeVolumeRequest) -> FoundVolume:
         problems.append(InputProblem("/machine", "not_a_riveter", text, machine.id, remedy))
     if problems or fastener is None:
         raise InvalidInput(problems)
-    volume = free_volume(panel, _tool(inputs, request), _section(machine, panel, fastener, request))
+    volume = free_volume(panel, _tool(inputs, request), _section(machine, panel, fastener, request), most)
     mesh = to_glb(volume)
     return FoundVolume(volume, mesh, _report(inputs, request, volume, mesh))
 

@@ -14,6 +14,8 @@ class Settings:
         command line.
     max_sync_access_checks: rivets x angles x boxes of an accessibility area or volume that is computed while
         the client waits: some seconds.
+    max_sync_volume_pairs: pairs of a panel piece and a part of the tool in a free volume that is found while
+        the client waits: some twenty seconds; the section that is taken unless another is asked has a third.
     json: size and depth of a request body.
     workers: processes that compute, each with its own native libraries; one leaves the second core of a small
         machine to the event loop.
@@ -25,6 +27,7 @@ class Settings:
 
     max_sync_fasteners: int = 120
     max_sync_access_checks: int = 200_000
+    max_sync_volume_pairs: int = 1_000
     json: JsonLimits = field(default_factory=JsonLimits)
     workers: int = 1
     max_waiting: int = 8

@@ -111,21 +111,22 @@ def _access_answer(content: BaseModel) -> Answer:
     return Answer(body, hashlib.sha256(body).hexdigest())
 
 
-def free_volume(request: FreeVolumeRequest, _settings: Settings) -> Answer:
+def free_volume(request: FreeVolumeRequest, settings: Settings) -> Answer:
     """Return where a tool can be in a section of a panel."""
-    body = canonical_json(_free_volume(request).report)
+    body = canonical_json(_free_volume(request, settings).report)
     return Answer(body, hashlib.sha256(body).hexdigest())
 
 
-def free_volume_mesh(request: FreeVolumeRequest, _settings: Settings) -> Answer:
+def free_volume_mesh(request: FreeVolumeRequest, settings: Settings) -> Answer:
     """Return the same as a mesh."""
-    found = _free_volume(request)
+    found = _free_volume(request, settings)
     return Answer(found.mesh, found.report.mesh_sha256, "model/gltf-binary")
 
 
-def _free_volume(request: FreeVolumeRequest) -> FoundVolume:
+def _free_volume(request: FreeVolumeRequest, settings: Settings) -> FoundVolume:
     dies = [request.tool.id] if isinstance(request.tool, DieChoice) else None
-    return find_free_volume(gather(request.panel, request.machine, dies, Places(dies="/tool/id")), request)
+    inputs = gather(request.panel, request.machine, dies, Places(dies="/tool/id"))
+    return find_free_volume(inputs, request, settings.max_sync_volume_pairs)
 
 
 TASKS = {

@@ -16,8 +16,8 @@ from robots.free_volume.section import Section
 from robots.free_volume.tool import Tool
 from robots.panel import Panel
 
-MOST_OBSTACLES = 20_000
-"""More would take minutes."""
+MOST_OBSTACLES = 4_000
+"""These take some minutes, and the time grows with their square."""
 
 
 _HULL_ERROR = 5e-8
@@ -77,10 +77,10 @@ class Obstacle:
         return bool(np.all(self.planes.normals @ point <= self.planes.offsets))
 
 
-def obstacles(panel: Panel, tool: Tool, section: Section) -> list[Obstacle]:
+def obstacles(panel: Panel, tool: Tool, section: Section, most: int = MOST_OBSTACLES) -> list[Obstacle]:
     """Every obstacle that reaches into the section or into its column below, in a fixed order.
 
-    Raises InvalidInput where they are too many.
+    Raises InvalidInput where they are more than `most`.
     """
     pieces, part_of = panel.pieces()
     seen = section.from_panel(pieces)
@@ -91,7 +91,7 @@ def obstacles(panel: Panel, tool: Tool, section: Section) -> list[Obstacle]:
         lower, upper = lows + mirrored.min(axis=0), highs + mirrored.max(axis=0)
         near = np.all(lower < section.upper, axis=1) & np.all(upper[:, :2] > section.lower[:2], axis=1)
         pairs += [(each.name, mirrored, k) for k in np.flatnonzero(near).tolist()]
-    _check_count(len(pairs))
+    _check_count(len(pairs), most)
     return [
         Obstacle(panel.part_ids[part_of[k]], name, seen[k], mirrored, minkowski_sum(seen[k], mirrored))
         for name, mirrored, k in pairs
@@ -129,8 +129,10 @@ def _faces(solid: Manifold) -> Planes:
     return Planes(normals, np.einsum("tk,tk->t", normals, corners[wide, 0]))
 
 
-def _check_count(count: int) -> None:
-    if count > MOST_OBSTACLES:
-        message = f"the section has more than {MOST_OBSTACLES} pairs of a panel piece and a tool part"
-        problem = InputProblem("/section", "section_too_large", message, count, "Choose a smaller section.")
-        raise InvalidInput([problem])
+def _check_count(count: int, most: int) -> None:
+    if count > most:
+        message = f"the section has more than {most} pairs of a panel piece and a tool part"
+        remedy = "Choose a smaller section."
+        if count <= MOST_OBSTACLES:
+            remedy = "Choose a smaller section, or use `rivetplan free-volume` on the command line."
+        raise InvalidInput([InputProblem("/section", "section_too_large", message, count, remedy)])

@@ -10,7 +10,7 @@ import numpy as np
 from planners.arrays import Array
 from robots.free_volume.booleans import Manifold, bounds, box, joined, mesh_of, united, without
 from robots.free_volume.mesh import Mesh
-from robots.free_volume.obstacles import Obstacle, obstacles
+from robots.free_volume.obstacles import MOST_OBSTACLES, Obstacle, obstacles
 from robots.free_volume.proof import not_proved, proved
 from robots.free_volume.section import Section
 from robots.free_volume.tool import Tool
@@ -77,12 +77,13 @@ class FreeVolume:
         return list(dict.fromkeys((each.part, each.solid) for each in self.obstacles if each.holds(point)))
 
 
-def free_volume(panel: Panel, tool: Tool, section: Section) -> FreeVolume:
+def free_volume(panel: Panel, tool: Tool, section: Section, most: int = MOST_OBSTACLES) -> FreeVolume:
     """The free volume of `tool` in a section of `panel`, see the package's head.
 
-    Raises InvalidInput where the result cannot be proved.
+    most: pairs of a panel piece and a part of the tool. Raises InvalidInput where there are more, or where
+    the result cannot be proved.
     """
-    found = obstacles(panel, tool, section)
+    found = obstacles(panel, tool, section, most)
     bottom = min([section.lower[2], *(each.lower[2] - _BELOW for each in found)])
     column = box(np.array([*section.lower[:2], bottom]), section.upper)
     reached, closed = _by_reach(proved(column - united([each.hull for each in found]), found), bottom)

@@ -51,9 +51,9 @@ def find(
 
     wanted: a request without its panel and machine. Raises Unusable.
     """
-    check_target(mesh_file, {panel_file.resolve(): "the panel"}, "the mesh")
+    check_target(mesh_file, {panel_file: "the panel"}, "the mesh")
     if report_file is not None:
-        taken = {panel_file.resolve(): "the panel", mesh_file.resolve(): "the mesh"}
+        taken = {panel_file: "the panel", mesh_file: "the mesh"}
         check_target(report_file, taken, "the report")
     tool = wanted["tool"]
     inputs = read_inputs(panel_file, machine, [tool["id"]] if tool["type"] == "die" else None)

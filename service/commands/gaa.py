@@ -46,7 +46,7 @@ def gav(file: Path, out: Path | None, *, quiet: bool) -> bool:
 
 def _refuse_target(file: Path, out: Path | None) -> None:
     if out is not None:
-        check_target(out, {file.resolve(): "the request"}, "the answer")
+        check_target(out, {file: "the request"}, "the answer")
 
 
 def _publish(

@@ -46,11 +46,11 @@ def calibrate(file: Path, *, out: Path | None, quiet: bool) -> bool:
 
 
 def _check_targets(request_file: Path, *targets: tuple[Path | None, str]) -> None:
-    taken = {request_file.resolve(): "the request"}
+    taken = {request_file: "the request"}
     for target, what in targets:
         if target is not None:
             check_target(target, taken, what)
-            taken[target.resolve()] = what
+            taken[target] = what
 
 
 def _pattern_rows(found: RivetPattern) -> list[Row]:

@@ -1,6 +1,7 @@
 """`rivetplan plan`: a panel file in, a verified program file out."""
 
 import os
+import stat
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -74,26 +75,33 @@ def _check_targets(
     panel_file: Path, program_file: Path, report_file: Path | None, escapes_file: Path | None
 ) -> None:
     """Find out before minutes of planning whether what is made can be written, and over nothing else."""
-    taken = {panel_file.resolve(): "the panel"}
+    taken = {panel_file: "the panel"}
     targets = (program_file, "the program"), (report_file, "the report"), (escapes_file, "the escapes")
     for file, what in targets:
         if file is not None:
             check_target(file, taken, what)
-            taken[file.resolve()] = what
+            taken[file] = what
 
 
 def check_target(file: Path, taken: Mapping[Path, str], what: str) -> None:
     """Find out whether `what` can be written to a file, and over none that is `taken`. Raises Unusable."""
     _check_place(file)
-    if file.resolve() in taken:
-        raise Unusable([f"{file}: {what} would replace {taken[file.resolve()]}. Name another file."])
+    for other, name in taken.items():
+        if os.path.realpath(file) == os.path.realpath(other):
+            raise Unusable([f"{file}: {what} would replace {name}. Name another file."])
 
 
 def _check_place(target: Path) -> None:
-    if target.is_dir():
+    try:
+        mode = target.stat().st_mode
+    except FileNotFoundError:
+        mode = stat.S_IFREG  # what it will be
+    except OSError as error:
+        raise Unusable([f"{target}: cannot be written: {error.strerror}. Name another file."]) from None
+    if stat.S_ISDIR(mode):
         raise Unusable([f"{target}: is a directory. Name a file."])
-    if target.exists() and not target.is_file():
+    if not stat.S_ISREG(mode):
         raise Unusable([f"{target}: is a device or a pipe, which a file would replace. Name a file."])
-    directory = target.resolve().parent if target.is_symlink() else target.parent
+    directory = Path(os.path.realpath(target)).parent if target.is_symlink() else target.parent
     if not os.access(directory, os.W_OK | os.X_OK):
         raise Unusable([f"{directory}: no file can be written there. Make it or name another."])

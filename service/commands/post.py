@@ -16,7 +16,7 @@ def post(program_file: Path, dialect: str, out: Path | None) -> None:
         text = dialects.post(program, dialect)
     chosen = dialects.DIALECTS[dialect]
     target = out or Path(program_file.name.removesuffix(".json").removesuffix(".nc") + chosen.suffix)
-    check_target(target, {program_file.resolve(): "the program"}, "the text")
+    check_target(target, {program_file: "the program"}, "the text")
     write(target, text.encode("ascii"))
     size = f"{len(program.blocks)} blocks in {text.count(chr(10))} lines"
     print(f"{target}: {chosen.title}, {size}, read back without difference")

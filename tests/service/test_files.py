@@ -1,5 +1,6 @@
 """Files are written whole or not at all."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -44,3 +45,19 @@ def test_link_stays_a_link_and_the_file_it_names_is_written(tmp_path: Path) -> N
     assert link.is_symlink()
     assert file.read_bytes() == b"new"
     assert set(tmp_path.iterdir()) == {link, file}
+
+
+def test_what_a_process_of_the_same_number_left_behind_is_in_nobodys_way(tmp_path: Path) -> None:
+    (tmp_path / f".a.json.{os.getpid()}.tmp").write_bytes(b"half of")
+
+    write_atomically(tmp_path / "a.json", b"new")
+
+    assert (tmp_path / "a.json").read_bytes() == b"new"
+
+
+def test_the_longest_name_a_file_can_have_is_written(tmp_path: Path) -> None:
+    file = tmp_path / ("n" * 255)
+
+    write_atomically(file, b"new")
+
+    assert file.read_bytes() == b"new"

@@ -150,6 +150,19 @@ def test_wrong_request_is_told_where_and_what(
     assert all(each["remedy"] for each in response.json()["errors"])
 
 
+def test_section_that_would_keep_the_client_waiting_for_minutes_is_refused(client: httpx.Client) -> None:
+    shell = json.loads((CROSSING.parent / "a320_shell.json").read_bytes())
+    wide = SECTION | {"x_mm": [-1500.0, 1500.0], "y_mm": [-900.0, 900.0]}
+    asked = {"panel": shell, "fastener_id": "SR.S08.021"}
+
+    for section, word in ((wide, "rivetplan free-volume"), (wide | {"y_mm": [-3e3, 3e3]}, "smaller")):
+        response = ask(client, section=section, **asked)
+        assert response.status_code == 422
+        (problem,) = response.json()["errors"]
+        assert (problem["pointer"], problem["code"]) == ("/section", "section_too_large")
+        assert word in problem["remedy"]
+
+
 def test_clearance_is_the_machines_in_transit_unless_another_is_asked(client: httpx.Client) -> None:
     machine, panel = load_machine("riveter"), load_panel(PANEL)
     policy = 1e3 * (machine.policy.default + panel.sag)

@@ -7,7 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from service.cli import UNUSABLE, app
 from tests.service.conftest import CROSSING, ROOT, CrossingRun, rivetplan
 from tests.service.test_cli import changed_crossing, lines_of_refusal
 
@@ -50,6 +52,31 @@ def test_a_pipe_or_device_is_not_replaced_by_a_file(tmp_path: Path) -> None:
 
     assert line.startswith(str(pipe))
     assert pipe.is_fifo()
+
+
+@pytest.mark.parametrize("name", ["n" * 300 + ".json", "round.json", "a.txt/b.json", "nowhere/b.json"])
+@pytest.mark.parametrize("command", ["plan", "gaa", "gav", "pattern", "calibrate"])
+def test_a_place_where_no_file_can_be_is_refused_before_anything_is_read(
+    tmp_path: Path, command: str, name: str
+) -> None:
+    (tmp_path / "a.txt").touch()
+    (tmp_path / "round.json").symlink_to("round.json")
+
+    result = CliRunner().invoke(app, [command, "missing.json", "--out", str(tmp_path / name)])
+
+    assert result.exit_code == UNUSABLE
+    assert [str(tmp_path) in line for line in result.stderr.splitlines()] == [True]
+    assert {each.name for each in tmp_path.iterdir()} == {"a.txt", "round.json"}
+
+
+@pytest.mark.parametrize("command", ["gaa", "gav", "pattern", "calibrate"])
+def test_an_input_that_leads_round_in_a_circle_is_one_line(tmp_path: Path, command: str) -> None:
+    (tmp_path / "round.json").symlink_to("round.json")
+
+    result = CliRunner().invoke(app, [command, str(tmp_path / "round.json"), "--out", str(tmp_path / "a")])
+
+    assert result.exit_code == UNUSABLE
+    assert ["cannot be read" in line for line in result.stderr.splitlines()] == [True]
 
 
 def test_a_title_is_no_markup(tmp_path: Path) -> None:

@@ -78,6 +78,14 @@ def test_examples_are_answered_as_documented_with_the_same_bytes(client: httpx.C
     assert np.allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-8)
 
 
+@pytest.mark.parametrize("arc", [5, "round", [], True, {}, {"ends": 1}])
+def test_an_arc_that_is_none_is_refused_by_name(client: httpx.Client, arc: object) -> None:
+    response = client.post(ADDRESS, json=order(FLAT, surface={"section": arc}))
+
+    assert response.status_code == 422
+    assert all(each["pointer"].startswith("/surface/section") for each in response.json()["errors"])
+
+
 def test_the_stringers_of_the_wing_panel_have_as_many_rivets_as_table_6_3_calls_accessible() -> None:
     found = rivet_pattern(RivetPatternRequest.model_validate(example("pattern_stringers")))
 
