@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from planners.arrays import Array, frozen
 from planners.block_time import block_time
 from planners.compiled import compiled
-from planners.detector import Asking, Detector, edge_is_free
+from planners.detector import Asking, Detector, Ints, edge_is_free
 from planners.errors import InvalidSetting, WrongShape
 from planners.path import Path
 from planners.potential_field import copy
@@ -66,6 +66,11 @@ class _Index(NamedTuple):
         places = [(e.where.ravel(), _turned(e.where).ravel(), e.offsets[-1]) for e in escapes]
         return _Index(*(np.array(column) for column in zip(*places, strict=True)))
 
+    def with_latest(self, escape: Escape, kept: int) -> _Index:
+        """With one more escape, and the latest `kept` of all."""
+        latest = zip(self, _Index.of([escape]), strict=True)
+        return _Index(*(np.concatenate(columns)[-kept:] for columns in latest))
+
     def distances(self, where: Array, move: Array, weights: Array) -> Array:
         """Of each escape as it is and turned round, (m, 2): between the places plus between displacements."""
         found = np.empty((len(self.moves), 2))
@@ -73,12 +78,12 @@ class _Index(NamedTuple):
         measure(*self, np.array(where.ravel()), np.array(move), np.array(weights), found)
         return found
 
-    def nearest(self, where: Array, move: Array, weights: Array) -> list[int]:
-        """Escapes in order, each as 2 i or, turned round, 2 i + 1."""
-        distances = self.distances(where, move, weights).ravel()
-        latest_first = np.arange(len(distances))[::-1]
-        best: list[int] = latest_first[np.argsort(distances[::-1], kind="stable")].tolist()
-        return best
+    def nearest(self, where: Array, move: Array, weights: Array, count: int) -> list[int]:
+        """The `count` best escapes in order, each as 2 i or, turned round, 2 i + 1; the latest of equals."""
+        best = np.empty(min(count, 2 * len(self.moves)), dtype=np.int64)
+        choose(*self, np.array(where.ravel()), np.array(move), np.array(weights), best)
+        chosen: list[int] = best.tolist()
+        return chosen
 
 
 @compiled
@@ -88,14 +93,48 @@ def measure(
     """Compiled `_Index.distances`, into `found` (m, 2)."""
     for escape in range(len(moves)):
         for way in range(2):
-            place = displacement = 0.0
-            for k in range(len(here)):
-                there = where[escape, k] if way == 0 else turned[escape, k]
-                place += (there - here[k]) ** 2
-            for i in range(len(move)):
-                moved = moves[escape, i] if way == 0 else -moves[escape, i]
-                displacement += ((moved - move[i]) * weights[i]) ** 2
-            found[escape, way] = math.sqrt(place) + math.sqrt(displacement)
+            found[escape, way] = _apart(where, turned, moves, here, move, weights, escape, way)
+
+
+@compiled
+def choose(
+    where: Array, turned: Array, moves: Array, here: Array, move: Array, weights: Array, best: Ints
+) -> None:
+    """Compiled `_Index.nearest`, into `best` (k,); k is at most twice the number of escapes."""
+    distances, filled = np.empty(len(best)), 0
+    for index in range(2 * len(moves) - 1, -1, -1):
+        apart = _apart(where, turned, moves, here, move, weights, index // 2, index % 2)
+        at = filled
+        while at > 0 and apart < distances[at - 1]:
+            at -= 1
+        if at == len(best):
+            continue
+        filled = min(filled + 1, len(best))
+        for k in range(filled - 1, at, -1):
+            distances[k], best[k] = distances[k - 1], best[k - 1]
+        distances[at], best[at] = apart, index
+
+
+@compiled
+def _apart(
+    where: Array,
+    turned: Array,
+    moves: Array,
+    here: Array,
+    move: Array,
+    weights: Array,
+    escape: int,
+    way: int,
+) -> float:
+    """Distance of an escape, as it is (way 0) or turned round (1): of places plus displacements."""
+    place = displacement = 0.0
+    for k in range(len(here)):
+        there = where[escape, k] if way == 0 else turned[escape, k]
+        place += (there - here[k]) ** 2
+    for i in range(len(move)):
+        moved = moves[escape, i] if way == 0 else -moves[escape, i]
+        displacement += ((moved - move[i]) * weights[i]) ** 2
+    return math.sqrt(place) + math.sqrt(displacement)
 
 
 class EscapeLibrary:
@@ -125,7 +164,8 @@ class EscapeLibrary:
         name = str(self._numbered) if name is None else name
         escape = Escape(name, self._position(where), path.configurations - path.start)
         self._escapes.append(escape)
-        self._index = None
+        if self._index is not None:
+            self._index = self._index.with_latest(escape, len(self._escapes))
         self._numbered += 1
         self._added += 1
         return escape
@@ -142,7 +182,7 @@ class EscapeLibrary:
             return []
         if self._index is None:
             self._index = _Index.of(self._escapes)
-        best = self._index.nearest(here, move, weights)[:count]
+        best = self._index.nearest(here, move, weights, count)
         found = [self._escapes[i // 2] for i in best]
         return [escape.backwards if i % 2 else escape for i, escape in zip(best, found, strict=True)]
 

@@ -23,6 +23,7 @@ from planners.settings import PlannerSettings
 from robots import riveter
 from robots.cell import Blockage, Cell, CertifiedSpace
 from robots.nc import NcAxes
+from robots.nc_path import as_programmed
 from robots.riveter_search import Heuristics, planner_settings
 from robots.stations import Station
 from robots.surroundings import surroundings_of
@@ -250,8 +251,10 @@ def _reversed(link: Link) -> Link:
 
 def _as_programmed(path: Array) -> Array:
     """The waypoints (N, n) with the program's digits, which the ends have already."""
-    between = [NcAxes.of(q).q for q in path[1:-1]]
-    return frozen([path[0], *between, path[-1]])
+    programmed = np.array(path)
+    programmed[1:-1] = as_programmed(path[1:-1])
+    programmed.setflags(write=False)
+    return programmed
 
 
 def is_cancelled(link: Link) -> bool:

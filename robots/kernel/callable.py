@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
 from planners.arrays import Array
-from planners.compiled import compiled_callback
+from planners.compiled import compiled, compiled_callback
 from planners.native import NativeSpace
 from robots.kernel.edge import POLICY, ask
 from robots.kernel.layout import Ints
@@ -54,17 +54,26 @@ _ADDRESS: int = _ask.address  # numba looks it up anew whenever it is asked
 
 
 class Handle:
-    """Addresses and lengths of the arrays that `ask` takes, which live as long as this does.
-
-    arrays: numbers, indices, the two of the work space, and the anchors (P, 3).
+    """Addresses and lengths of the arrays that `ask` takes, which live as long as this: numbers, indices,
+    the two blocks of the work space, and the anchors (P, 3).
     """
 
-    def __init__(self, *arrays: Array | Ints) -> None:
-        self._arrays = arrays
-        self._table = np.array([[_address(a) for a in arrays], [len(a) for a in arrays]], dtype=np.int64)
-        self.native = NativeSpace(_ADDRESS, _address(self._table))
+    def __init__(self, numbers: Array, indices: Ints, work: Array, whole: Ints, anchors: Array) -> None:
+        self._arrays = numbers, indices, work, whole, anchors
+        self._table = np.empty((2, _ARRAYS), dtype=np.int64)
+        self.native = NativeSpace(_ADDRESS, _point_at(*self._arrays, self._table))
 
 
-def _address(array: Array | Ints) -> int:
-    """Where the array's numbers are; as `ctypes.data`, which takes three times as long."""
-    return int(array.__array_interface__["data"][0])
+@compiled
+def _point_at(numbers: Array, indices: Ints, work: Array, whole: Ints, anchors: Array, table: Ints) -> int:
+    """Write addresses and lengths of the arrays into `table` (2, 5); return where it is.
+
+    Compiled, for `ctypes.data` of the interpreter takes longer than to certify an edge.
+    """
+    table[0, 0], table[1, 0] = numbers.ctypes.data, len(numbers)
+    table[0, 1], table[1, 1] = indices.ctypes.data, len(indices)
+    table[0, 2], table[1, 2] = work.ctypes.data, len(work)
+    table[0, 3], table[1, 3] = whole.ctypes.data, len(whole)
+    table[0, 4], table[1, 4] = anchors.ctypes.data, len(anchors)
+    address: int = table.ctypes.data
+    return address

@@ -76,6 +76,30 @@ def test_an_escape_that_leads_the_other_way_is_recalled_turned_round() -> None:
     assert found.offsets.tolist() == [[0, 0], [-3, -1], [-3, 1]]
 
 
+_SHORT = arrays(np.float64, 2, elements=st.sampled_from((-1.0, 0.0, 0.5, 1.0)))
+
+
+@given(st.lists(st.tuples(_SHORT, _SHORT), min_size=1, max_size=9), _SHORT, _SHORT, st.integers(1, 7))
+def test_what_is_recalled_is_the_nearest_of_what_is_kept_however_it_came_in(
+    places: list[tuple[Array, Array]], here: Array, move: Array, count: int
+) -> None:
+    weights = np.array([1.0, 2.0])
+    library = EscapeLibrary(kept=5)
+    for where, offset in places:
+        library.remember(Path(np.array([[0.0, 0.0], offset])), where)
+        library.recall(here, move, weights, count)
+    kept = list(enumerate(places))[-5:]
+    images = [(str(k), w, sign * move_) for k, (w, move_) in kept for sign in (1.0, -1.0)]
+
+    def apart(image: tuple[str, Array, Array]) -> float:
+        return float(np.linalg.norm(image[1] - here) + np.linalg.norm((image[2] - move) * weights))
+
+    nearest = sorted(map(apart, images))[:count]
+    found = library.recall(here, move, weights, count)
+    distances = [apart((e.name, e.where, e.offsets[-1])) for e in found]
+    assert distances == pytest.approx(nearest, abs=1e-12)
+
+
 def test_the_oldest_is_forgotten_first_and_running_numbers_go_on() -> None:
     library = EscapeLibrary(kept=2)
     for _ in range(4):
