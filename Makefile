@@ -23,7 +23,7 @@ test: lint ## lint and the tests that are not marked long
 test-long: setup ## the tests that take minutes
 	$(BIN)/python -m pytest -q -m long
 
-bench: .venv/bench ## every table: ours beside OMPL and the paper, whole shell, growth (an hour or more)
+bench: .venv/bench ## every table: ours beside OMPL and the paper, whole shell, growth (about 20 minutes)
 	@$(BIN)/python -m tests.benchmarks
 
 bench-quick: .venv/bench ## the same tables on a small sample (under a minute)

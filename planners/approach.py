@@ -6,6 +6,7 @@ Order 0 is up, across and down; order n >= 1 rises over a middle point by n step
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,26 @@ from planners.errors import InvalidSetting, NotFinite, WrongShape
 HIGHEST_ORDER = 100
 #: Interpolated normals shorter than this come of opposite ones: there is no side to be above on.
 _SHORTEST_NORMAL = 1e-6
+
+
+@dataclass(frozen=True)
+class Approach:
+    """How to go from one fastener to the next: the order, and heights at the ends and in the middle [m].
+
+    Raises InvalidSetting.
+    """
+
+    order: int
+    clear_height: float
+    max_height: float
+
+    def __post_init__(self) -> None:
+        approach_heights(self.order, self.clear_height, self.max_height)
+
+    @property
+    def heights(self) -> Array:
+        """Of the intermediate points, shape (count,) [m]."""
+        return approach_heights(self.order, self.clear_height, self.max_height)
 
 
 def approach_count(order: int) -> int:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from planners.arrays import Array
 from planners.compiled import compiled
 
@@ -64,3 +66,13 @@ def _rest_to_rest(v: float, a: float, j: float) -> float:
     speeding_up = ramp + peak / a if peak >= a * ramp else 2.0 * math.sqrt(peak / j)
     duration: float = 1.0 / peak + speeding_up
     return duration
+
+
+@compiled
+def block_times(starts: Array, goals: Array, limits: Array) -> Array:
+    """Durations (k, m) [s] of the blocks from each of `starts` (k, n) to each of `goals` (m, n)."""
+    times = np.empty((len(starts), len(goals)))
+    for i in range(len(starts)):
+        for j in range(len(goals)):
+            times[i, j] = block_time(starts[i], goals[j], limits)
+    return times

@@ -69,3 +69,16 @@ def mean_cycle(arrivals: Sequence[float]) -> float:
     if not all(a < b < math.inf for a, b in pairwise(arrivals)):
         raise InvalidSetting("arrivals", list(arrivals), "finite and ascending")
     return (arrivals[-1] - arrivals[0]) / (len(arrivals) - 1)
+
+
+def cycle_time(begin: float, arrivals: Sequence[float], departure: float, end: float) -> CycleTime:
+    """The cycle time of a task that was done once, all times in [s].
+
+    begin: departure from home. arrivals: at the intermediate points F_1A, F_2A, ..., one or more, ascending.
+    departure: from the last of them, when its target is done. end: arrival at home. A single target has no
+    neighbour: its cycle is its own time. Raises InvalidSetting.
+    """
+    if not arrivals:
+        raise InvalidSetting("arrivals", 0, "of one target or more")
+    cycle = mean_cycle(arrivals) if len(arrivals) > 1 else departure - arrivals[0]
+    return CycleTime(arrivals[0] - begin, len(arrivals), cycle, end - departure)

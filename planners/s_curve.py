@@ -147,7 +147,7 @@ def s_curve(
         return SCurve(())
     if j_max is None:
         limits = replace(limits, j=math.inf)
-    return _ramped(limits) if ramps else SCurve((Quintic(1.0, 0.0, 0.0, rest_to_rest_time(1.0, limits)),))
+    return ramped(limits) if ramps else SCurve((Quintic(1.0, 0.0, 0.0, rest_to_rest_time(1.0, limits)),))
 
 
 def rest_to_rest_time(d: float, limits: PathLimits) -> float:
@@ -178,8 +178,8 @@ def between_speeds(d: float, v0: float, vf: float) -> Quintic:
     return Quintic(d, v0, vf, 2.0 * d / (v0 + vf))
 
 
-def _ramped(limits: PathLimits) -> SCurve:
-    """Ramps of (5.30) with a cruise between them, over a length of 1.
+def ramped(limits: PathLimits) -> SCurve:
+    """Ramps of (5.30) with a cruise between them, over a length of 1, within speed, acceleration and jerk.
 
     A ramp to v takes T = max(1.5 v / a, sqrt(6 v / j)) and the length v T / 2; two of them are at most 1.
     """

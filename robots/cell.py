@@ -35,7 +35,7 @@ from robots.solids import Solid, bounding_sphere, reach_about_axis
 
 if TYPE_CHECKING:
     from robots.kernel.flat import FlatCell
-    from robots.kernel.space import KernelSpaces
+    from robots.kernel.space import KernelSpace, KernelSpaces
     from robots.kernel.turns import FreeArcs, KernelTurns
 
 CERTIFICATE_MARGIN = 0.00005
@@ -151,6 +151,10 @@ class Cell:
         if self.checker == "coal":
             return LinkSpace(self, [self.tip_at(q) for q in anchors])
         return self._link_spaces.of_link(anchors)
+
+    def corner_space(self, anchors: Sequence[Array]) -> KernelSpace | None:
+        """As `link_space`, for rounded corners; always the kernel's, None for machines that have none."""
+        return self._link_spaces.of_link(anchors) if self.machine.kinematics == "riveter" else None
 
     @cached_property
     def _link_spaces(self) -> KernelSpaces:

@@ -10,26 +10,34 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from planners.approach import Approach
 from planners.arrays import Array, frozen
+from planners.blending import blended
 from planners.detector import Detector
 from planners.escapes import Escape, EscapeLibrary
 from planners.link_planner import LinkPlanner, direct
 from planners.quickening import quickened
 from planners.result import PlanCounts, PlanResult, PlanStatus, PlanTimes
+from planners.retiming import PathLimits
 from planners.settings import PlannerSettings
 from robots import riveter
+from robots.approach_link import approached
 from robots.cell import Blockage, Cell, CertifiedSpace
 from robots.nc import NcAxes
 from robots.nc_path import as_programmed
 from robots.riveter_search import Heuristics, planner_settings
 from robots.stations import Station
 from robots.surroundings import surroundings_of
+from robots.tip_motion import tip_motions
 
 _PATIENT_GAIN, _PATIENT_REFUSALS, _PATIENT_DETECTIONS = 0.003, 30, 200
 """Of a program's last smoothing, see `PlannerSettings`: on hard links 8 % of their time for 0.4 ms each."""
+_ROUNDED_GAIN, _ROUNDED_REFUSALS, _ROUNDED_DETECTIONS = 0.003, 60, 400
+"""Of the one after it, where corners are rounded: 13 % of their time more."""
 
 LONG_LINK = 0.5
 """[m] over the skin, about one frame bay: a longer link goes under the work, not from bay to bay."""
@@ -40,12 +48,14 @@ class Link:
     """A planned link: the search's result, and its configurations with the program's digits, (N, n), ends
     included.
 
-    blockage: what stands in the straight way, told where there is no path.
+    blockage: what stands in the straight way, told where there is no path. pace: limits of each block as an
+    earlier program had them, where its corners are to be rounded again as they were.
     """
 
     result: PlanResult
     waypoints: Array
     blockage: Blockage | None = None
+    pace: tuple[PathLimits, ...] | None = None
 
     @property
     def ok(self) -> bool:
@@ -58,7 +68,8 @@ class LinkFinder:
 
     escapes: what earlier runs left behind for this die, oldest first. found: what this one adds. polish:
     smooth what a search found once more, patiently: for programs, where a machine runs for years what takes
-    half a millisecond here.
+    half a millisecond here. approach: between fasteners, the first way that is tried. deviation: by how much
+    corners are going to be rounded [m], None for stops; what is polished is made quick for that.
 
     Where the heuristics leave no way, the link is searched once more without them: what they inhibit is
     unlikely to help, not impossible.
@@ -72,11 +83,16 @@ class LinkFinder:
         escapes: Sequence[Escape] = (),
         *,
         polish: bool = False,
+        approach: Approach | None = None,
+        deviation: float | None = None,
     ) -> None:
-        self._cell, self._seed = cell, seed
+        self._cell, self._seed, self._approach, self._deviation = cell, seed, approach, deviation
         settings = planner_settings(cell.machine, heuristics)
         self._planner = LinkPlanner(settings, EscapeLibrary(settings.escapes_kept, escapes))
-        self._patient = _patient(settings) if polish else None
+        self._patient, self._for_blends = None, None
+        if polish:
+            self._patient = _patient(settings, _PATIENT_GAIN, _PATIENT_REFUSALS, _PATIENT_DETECTIONS)
+            self._for_blends = _patient(settings, _ROUNDED_GAIN, _ROUNDED_REFUSALS, _ROUNDED_DETECTIONS)
         self._unguided = None if heuristics == "none" else LinkPlanner(planner_settings(cell.machine, "none"))
 
     @property
@@ -87,6 +103,10 @@ class LinkFinder:
     def between(self, start: Station, goal: Station, stop: Callable[[], bool]) -> Link:
         """From the open pose of one fastener to that of the next."""
         space = self._cell.link_space([start.opened, goal.opened])
+        if self._approach is not None:
+            found = approached(space, self._cell.machine, start, goal, self._approach)
+            if found is not None:
+                return Link(found, found.path.configurations)
         return self._polished(space, self._between(space, start, goal, stop), stop)
 
     def _between(
@@ -104,7 +124,7 @@ class LinkFinder:
     def from_home(self, goal: Station, stop: Callable[[], bool]) -> Link:
         """From the machine's home to the open pose of the first fastener."""
         link = self.to_home(goal, stop)
-        return _reversed(link) if link.ok else link
+        return turned_round(link) if link.ok else link
 
     def to_home(self, start: Station, stop: Callable[[], bool]) -> Link:
         """From the open pose of the last fastener to the machine's home."""
@@ -124,7 +144,17 @@ class LinkFinder:
         detector = Detector(space, settings.quickening_detections, stop)
         quick = quickened(detector, link.waypoints, settings)
         detector.raise_error()
-        return replace(link, waypoints=_as_programmed(quick))
+        return replace(link, waypoints=_as_programmed(self._for_corners(space, quick, stop)))
+
+    def _for_corners(self, space: CertifiedSpace, path: Array, stop: Callable[[], bool]) -> Array:
+        """The path made quick for corners that are rounded, where they are going to be."""
+        corners, settings = self._cell.corner_space([]), self._for_blends
+        if settings is None or self._deviation is None or corners is None:
+            return path
+        detector = Detector(space, settings.quickening_detections, stop)
+        quick = blended(detector, path, settings, partial(tip_motions, corners), self._deviation)
+        detector.raise_error()
+        return quick
 
     def _is_long(self, start: Station, goal: Station) -> bool:
         return float(np.linalg.norm(goal.fastener.p - start.fastener.p)) > LONG_LINK
@@ -225,12 +255,9 @@ class LinkFinder:
         return self._cell.closest(space.advance(start, goal), near_fastener=False)
 
 
-def _patient(settings: PlannerSettings) -> PlannerSettings:
+def _patient(settings: PlannerSettings, gain: float, refusals: int, detections: int) -> PlannerSettings:
     return replace(
-        settings,
-        smoothing_gain=_PATIENT_GAIN,
-        smoothing_refusals=_PATIENT_REFUSALS,
-        quickening_detections=_PATIENT_DETECTIONS,
+        settings, smoothing_gain=gain, smoothing_refusals=refusals, quickening_detections=detections
     )
 
 
@@ -245,8 +272,15 @@ def _joined(results: Sequence[PlanResult]) -> PlanResult:
     return replace(results[0], origin=searched, counts=counts, times=times)
 
 
-def _reversed(link: Link) -> Link:
-    return replace(link, waypoints=frozen(link.waypoints[::-1]))
+def turned_round(link: Link) -> Link:
+    """A found link travelled the other way."""
+    return replace(link, waypoints=frozen(link.waypoints[::-1]), pace=None)
+
+
+def one_after_the_other(first: Link, second: Link) -> Link:
+    """Two found links as one; the second begins where the first ends."""
+    waypoints = frozen(np.vstack([first.waypoints, second.waypoints[1:]]))
+    return Link(_joined([first.result, second.result]), waypoints)
 
 
 def _as_programmed(path: Array) -> Array:

@@ -16,9 +16,10 @@ from robots.dies import DieLibrary
 from robots.errors import InputProblem, InvalidInput, UnknownName
 from robots.machine import CLAMPED_FOOT, FOOT, ChainJoint, ClearancePolicy, Machine
 from robots.machine_checks import CROSS_CHECKS, machine_problems
+from robots.process_file import load_process, load_processes
 from robots.processes import ProcessLibrary
 from robots.shape_file import ShapeFile, SolidFile, build_solid
-from robots.tooling_file import DATA, load_dies, load_process, load_processes
+from robots.tooling_file import DATA, load_dies
 
 __all__ = ["load_dies", "load_machine", "load_process", "load_processes", "machine_ids"]
 

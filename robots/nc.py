@@ -3,9 +3,8 @@
 This is an edge of the system: values are millimetres, degrees and seconds, with the unit in the field's name,
 exactly as they stand in the file. `NcAxes.q` gives the configuration in [m] and [rad]. The annotations carry
 the file's number format (`nc_codec.py`), so one declaration says both what a field is and how many digits of
-it exist. `nc_json.py` writes, reads and hashes programs.
-
-The dataclasses hold numbers, strings and tuples only: the generated `==` compares programs exactly.
+it exist. `nc_json.py` writes, reads and hashes programs. The dataclasses hold numbers, strings and tuples
+only: the generated `==` compares programs exactly.
 """
 
 import math
@@ -17,7 +16,13 @@ from typing import Annotated, Literal
 import numpy as np
 
 from planners.arrays import Array, frozen
+from robots.nc_approach import NcApproach
+from robots.nc_blend import NcBlend, TimingLaw
+from robots.nc_changes import NcChanges
 from robots.nc_codec import WHEN_GIVEN, Decimals, DecimalsDown, SignificantDown, encode
+from robots.nc_cycle import NcCycle
+from robots.nc_datums import NcDatums
+from robots.nc_process import NcHandshake, NcProcess
 
 Mm = Annotated[float, Decimals(4)]
 MmDown = Annotated[float, DecimalsDown(4)]  # guaranteed lower bounds are never rounded up
@@ -35,7 +40,6 @@ _PER_SI_AND_DIGITS = tuple((1e3, 4) if is_length else (180.0 / math.pi, 6) for i
 BlockKind = Literal["move", "approach", "process", "retreat", "die_change"]
 FastenerStatus = Literal["installed", "deferred_manual", "inaccessible", "excluded"]
 Row3 = tuple[Fine, Fine, Fine]
-Row4 = tuple[Fine, Fine, Fine, Fine]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,13 +70,20 @@ class NcInput:
 
 @dataclass(frozen=True, slots=True)
 class NcInputs:
-    """Everything the program was made from; `escapes`: ways known from earlier programs, if any were."""
+    """Everything the program was made from; `escapes`: ways known from earlier programs, if any were;
+    `previous`: the program of which all that still holds was kept; `order`, `approach`, `timing`: what was
+    asked for; no `timing` for exact stops.
+    """
 
     machine: NcInput
     panel: NcInput
     dies: NcInput
     process: NcInput
     escapes: Annotated[NcInput | None, WHEN_GIVEN] = None
+    previous: Annotated[NcInput | None, WHEN_GIVEN] = None
+    order: Annotated[NcInput | None, WHEN_GIVEN] = None
+    approach: Annotated[NcInput | None, WHEN_GIVEN] = None
+    timing: Annotated[NcInput | None, WHEN_GIVEN] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,17 +120,6 @@ class NcMachine:
 
 
 @dataclass(frozen=True, slots=True)
-class NcDatums:
-    """`panel_frame_mm`: rows of T_gantry_panel (rotation plain, translation in mm).
-
-    `machine_datum_mm`: where the tool axis meets the skin in the world, with X at zero.
-    """
-
-    panel_frame_mm: tuple[Row4, Row4, Row4, Row4]
-    machine_datum_mm: tuple[Mm, Mm, Mm]
-
-
-@dataclass(frozen=True, slots=True)
 class NcPairClearance:
     """Required clearance of one machine solid against one part, kind of part or "panel"."""
 
@@ -142,11 +142,13 @@ class NcClearancePolicy:
 
 @dataclass(frozen=True, slots=True)
 class NcPolicy:
-    """Clearances and the timing law."""
+    """Clearances and the timing law; `deviation_mm`: the most a corner may be rounded by, where one may."""
 
     clearance_mm: NcClearancePolicy
     exact_stop_at_events: bool
-    timing_law: Literal["exact_stop"]
+    timing_law: TimingLaw
+    deviation_mm: Annotated[Mm | None, WHEN_GIVEN] = None
+    approach: Annotated[NcApproach | None, WHEN_GIVEN] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,23 +157,6 @@ class NcDie:
 
     id: str
     axisymmetric: bool
-
-
-@dataclass(frozen=True, slots=True)
-class NcStep:
-    """One step of a process; its code is the code of the event that starts it."""
-
-    code: str
-    duration_s: Seconds
-
-
-@dataclass(frozen=True, slots=True)
-class NcProcess:
-    """The steps done at a fastener, in order, and how far the die retracts afterwards."""
-
-    id: str
-    steps: tuple[NcStep, ...]
-    retract_mm: Mm
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,27 +187,27 @@ class NcAxes:
 
 @dataclass(frozen=True, slots=True)
 class NcDynamics:
-    """Limits of the path parameter s in [0, 1] along the straight block, rest to rest."""
+    """Limits of the path parameter s in [0, 1] along the straight block, rest to rest; laws: `nc_blend`."""
 
     v_per_s: PathLimit
     a_per_s2: PathLimit
     j_per_s3: PathLimit
-    law: Literal["exact_stop"] = "exact_stop"
+    law: TimingLaw = "exact_stop"
 
 
 @dataclass(frozen=True, slots=True)
 class NcEvent:
-    """`at_s`: offset from the start of the block, as everywhere in the program."""
+    """`at_s`: offset from the start of the block, as everywhere in the program. It waits for `handshake`."""
 
     code: str
     at_s: Seconds
+    handshake: Annotated[NcHandshake | None, WHEN_GIVEN] = None
 
 
 @dataclass(frozen=True, slots=True)
 class NcClearance:
-    """A guaranteed lower bound over the whole block, its (solid, part) pair, and when it occurs.
-
-    Designed contacts do not count; beyond the verifier's cap the cap is stated, with an empty pair.
+    """A guaranteed lower bound over the whole block, its (solid, part) pair, and when it occurs. Designed
+    contacts do not count; beyond the verifier's cap the cap is stated, with an empty pair.
     """
 
     min_mm: MmDown
@@ -248,6 +233,7 @@ class NcBlock:
     allowed_contacts: tuple[tuple[str, str], ...] = ()
     origin: str = "process"
     interp: Literal["linear_axis"] = "linear_axis"
+    blend: Annotated[NcBlend | None, WHEN_GIVEN] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,6 +266,7 @@ class NcFastener:
     die_id: str | None = None
     die_angle_deg: Deg | None = None
     block_n: int | None = None
+    code: Annotated[str | None, WHEN_GIVEN] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,6 +299,7 @@ class NcLinkCounts:
     planned: int
     reused: int
     fallback: int
+    approach: Annotated[int | None, WHEN_GIVEN] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,6 +319,7 @@ class NcSummary:
     breakdown_s: NcBreakdown
     links: NcLinkCounts
     search: tuple[NcSearchRow, ...] = ()
+    cycle: Annotated[NcCycle | None, WHEN_GIVEN] = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -381,7 +370,9 @@ class Certificate:
 
 @dataclass(frozen=True)
 class NcProgram:
-    """The whole program; `verification` is the only member outside its identity."""
+    """The whole program; `verification` is the only member outside its identity. `changes`: to the previous
+    program, where there was one.
+    """
 
     header: NcHeader
     machine: NcMachine
@@ -393,6 +384,7 @@ class NcProgram:
     fasteners: tuple[NcFastener, ...]
     summary: NcSummary
     verification: Certificate | None = None
+    changes: Annotated[NcChanges | None, WHEN_GIVEN] = None
 
     @cached_property
     def identity_text(self) -> str:

@@ -19,74 +19,26 @@ import types
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from decimal import ROUND_FLOOR, Context, Decimal
 from functools import cache
 from operator import attrgetter, is_
 from typing import Annotated, Any, Literal
 
 from robots.errors import InputProblem, InvalidInput, shown
+from robots.nc_numbers import MAX_NUMBER, Decimals, DecimalsDown, SignificantDown
 from robots.strict_json import parse_document, pointer_to
 
 _MAX_PROBLEMS = 200  # a file of another kind entirely must not give a megabyte of messages
-_MAX_NUMBER = 1e15  # beyond it a float no longer holds the digits that the formats state
-_FEW_DIGITS = 1e10  # below it the digits that the formats state are fewer than the 15 every float holds
-_PLAIN = 1e-4  # from here to _MAX_NUMBER `repr` writes no exponent
 
 
-@dataclass(frozen=True)
-class Decimals:
-    """Fixed number of decimals, rounded half to even on the exact binary value."""
-
-    digits: int
-
-    def text(self, value: float) -> str:
-        text = f"{value:.{self.digits}f}"
-        return text[1:] if text[0] == "-" and float(text) == 0.0 else text
-
-    def rounded(self, value: float) -> float:
-        """The float that `text` reads back as."""
-        return round(float(value), self.digits) + 0.0  # plus zero: there is no negative one
-
-
-@dataclass(frozen=True)
-class DecimalsDown:
-    """Fixed number of decimals, rounded down."""
-
-    digits: int
-
-    def text(self, value: float) -> str:
-        # The shortest decimal that reads back as `value` is what is rounded: writing twice changes nothing.
-        if abs(value) < _FEW_DIGITS and round(float(value), self.digits) == value:
-            return Decimals(self.digits).text(value)
-        rounded = Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-self.digits), rounding=ROUND_FLOOR)
-        return f"{abs(rounded) if rounded == 0 else rounded:f}"
-
-    def rounded(self, value: float) -> float:
-        """The float that `text` reads back as."""
-        nearest = round(float(value), self.digits) + 0.0
-        return nearest if abs(value) < _FEW_DIGITS and nearest == value else float(self.text(value))
-
-
-@dataclass(frozen=True)
-class SignificantDown:
-    """A number of significant digits, rounded down."""
-
-    digits: int
-
-    def text(self, value: float) -> str:
-        text = repr(float(value))
-        if _PLAIN <= value < _MAX_NUMBER:
-            whole, _, decimals = text.partition(".")
-            excess = len(f"{whole}{decimals}".lstrip("0")) - self.digits
-            if excess <= len(decimals):
-                return text[:-excess].removesuffix(".") if excess > 0 else text
-        rounded = Context(prec=self.digits, rounding=ROUND_FLOOR).plus(Decimal(text))
-        return f"{abs(rounded) if rounded == 0 else rounded:f}"
-
-    def rounded(self, value: float) -> float:
-        """The float that `text` reads back as."""
-        return float(self.text(value))
-
+__all__ = [
+    "Decimals",
+    "DecimalsDown",
+    "SignificantDown",
+    "decode",
+    "decode_document",
+    "encode",
+    "rounded",
+]
 
 WHEN_GIVEN = "left out of the text where it is None"
 Number = Decimals | DecimalsDown | SignificantDown
@@ -122,7 +74,13 @@ def encode(value: object, *, omit: tuple[str, ...] = ()) -> str:
 
 def decode(cls: Any, text: str | bytes) -> Any:
     """Read an instance of dataclass `cls` from JSON text; raises `InvalidInput` with every problem."""
-    document = parse_document(text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text)
+    return decode_document(
+        cls, parse_document(text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text)
+    )
+
+
+def decode_document(cls: Any, document: object) -> Any:
+    """Read an instance of dataclass `cls` from a parsed document; raises `InvalidInput` as `decode` does."""
     problems: list[InputProblem] = []
     value = _form(cls).decode(document, None, problems)
     if problems:
@@ -172,7 +130,7 @@ def _number_form(number: Number) -> _Form:
         return number.text(value)
 
     def round_number(value: float) -> float:
-        if not abs(value) < _MAX_NUMBER:  # or NaN
+        if not abs(value) < MAX_NUMBER:  # or NaN
             raise _Unreadable
         near = number.rounded(value)
         is_near = near == value and type(value) is float and (value or math.copysign(1.0, value) > 0.0)
@@ -243,22 +201,32 @@ def _literal_form(allowed: tuple[str, ...]) -> _Form:
 
 @cache
 def _dataclass_encoder(cls: Any, omit: tuple[str, ...]) -> Encode:
-    kinds = sorted((name, kind) for name, kind in _fields(cls).items() if name not in omit)
-    encoders = [_form(kind).encode for _, kind in kinds]
-    optional, named = (
-        _when_given(cls),
-        [(name, form) for (name, _), form in zip(kinds, encoders, strict=True)],
+    named = [(n, _form(kind).encode) for n, kind in sorted(_fields(cls).items()) if n not in omit]
+    optional = [name for name in _when_given(cls) if name not in omit]
+    if not optional:
+        return _members_encoder(named)
+    given, without = (
+        _values_of(optional),
+        _members_encoder([each for each in named if each[0] not in optional]),
     )
-    if optional:
-        return lambda value: _given_members(value, named, optional)
-    template = "{" + ",".join(f'"{name}":%s' for name, _ in kinds) + "}"
-    values = _values_of([name for name, _ in kinds])
+
+    def write(value: Any) -> str:
+        if all(member is None for member in given(value)):
+            return without(value)
+        there = [(n, enc(getattr(value, n))) for n, enc in named if not _is_left_out(value, n, optional)]
+        return "{" + ",".join(f'"{name}":{text}' for name, text in there) + "}"
+
+    return write
+
+
+def _members_encoder(named: list[tuple[str, Encode]]) -> Encode:
+    template = "{" + ",".join(f'"{name}":%s' for name, _ in named) + "}"
+    values, encoders = _values_of([name for name, _ in named]), [enc for _, enc in named]
     return lambda value: template % tuple([enc(v) for enc, v in zip(encoders, values(value), strict=True)])
 
 
-def _given_members(value: Any, named: list[tuple[str, Encode]], optional: list[str]) -> str:
-    given = [(n, enc) for n, enc in named if not (n in optional and getattr(value, n) is None)]
-    return "{" + ",".join(f'"{name}":{enc(getattr(value, name))}' for name, enc in given) + "}"
+def _is_left_out(value: Any, name: str, optional: list[str]) -> bool:
+    return name in optional and getattr(value, name) is None
 
 
 def _dataclass_decoder(cls: Any) -> Decode:
@@ -327,10 +295,10 @@ def _read_integer(value: Any, at: Place, problems: list[InputProblem]) -> Any:
 
 
 def _read_number(value: Any, at: Place, problems: list[InputProblem]) -> Any:
-    if type(value) is float and -_MAX_NUMBER <= value <= _MAX_NUMBER:
+    if type(value) is float and -MAX_NUMBER <= value <= MAX_NUMBER:
         return value
     # The comparison is false for NaN, so it refuses NaN, infinities and absurd sizes alike.
-    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= _MAX_NUMBER:
+    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= MAX_NUMBER:
         return float(value)
     return _wrong(problems, at, "a finite number below 1e15", value)
 

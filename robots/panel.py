@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from planners.arrays import Array, frozen
 from robots import hexahedra
+from robots.nc_datums import NcMeasuredFit
 from robots.surface import Surface
 
 PartKind = Literal["skin", "doubler", "strap", "stringer", "frame", "clip", "box", "extrusion"]
@@ -50,7 +51,7 @@ class Fastener(_Refrozen):
     """One fastener: point `p` (3,) [m] on the outer skin, unit outward normal `n` (3,), sizes in [m].
 
     `die` names the die to use, or None for a free choice; `row` and `member` say where a generated one
-    comes from.
+    comes from; `code` is what is installed, if that is told.
     """
 
     id: str
@@ -62,6 +63,7 @@ class Fastener(_Refrozen):
     die: str | None = None
     row: str | None = None
     member: str | None = None
+    code: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "p", frozen(self.p))
@@ -88,7 +90,8 @@ class Panel(_Refrozen):
     `stacks[i]` belongs to `fasteners[i]`; the fasteners' order is the order of the program. `mounting`:
     T_gantry_panel (4, 4). `chord_deviation`: largest distance between a true curved face and the flat
     pieces that stand for it [m]. `sag`: the panel's own shape uncertainty, to be added to clearances [m].
-    `sha256`: of the canonical definition the panel was made from.
+    `sha256`: of the canonical definition the panel was made from. `measured_fit`: where `mounting` is as
+    measured, within `deviation_envelope_mm`; they go into the program as they are.
     """
 
     id: str
@@ -101,6 +104,8 @@ class Panel(_Refrozen):
     chord_deviation: float
     sag: float
     sha256: str
+    measured_fit: NcMeasuredFit | None = None
+    deviation_envelope_mm: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mounting", frozen(self.mounting))

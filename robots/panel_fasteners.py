@@ -97,7 +97,14 @@ def _explicit(
         return None
     grip = _grip(entry.grip_mm)
     fastener = Fastener(
-        entry.id, p, n / length, meters(entry.diameter_mm), grip or 0.0, process=entry.process, die=entry.die
+        id=entry.id,
+        p=p,
+        n=n / length,
+        diameter=meters(entry.diameter_mm),
+        grip=grip or 0.0,
+        process=entry.process,
+        die=entry.die,
+        code=entry.code,
     )
     return Candidate(fastener, grip, keys, _metres_hint(members, p))
 
@@ -196,6 +203,7 @@ def _on_member(
                 die=row.die,
                 row=row.id,
                 member=member,
+                code=row.code,
             ),
             grip,
             keys,

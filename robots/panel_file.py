@@ -21,8 +21,8 @@ from robots.panel_members import Builder
 from robots.panel_reading import Findings, Reading, read_definition
 from robots.panel_references import check_names
 from robots.panel_schema import MountingDefinition
+from robots.process_file import load_processes
 from robots.strict_json import read_document
-from robots.tooling_file import load_processes
 
 #: Problems reported at most; a file with more has one cause, and the answer must stay readable.
 MAX_PROBLEMS = 1000

@@ -28,6 +28,13 @@ def _in_one_line(text: str) -> str:
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\-]*$")]
 Title = Annotated[str, Field(max_length=200), AfterValidator(_in_one_line)]
 FastenerName = Annotated[str, Field(min_length=1, max_length=200)]
+FastenerCode = Annotated[
+    str,
+    Field(
+        pattern=r"^[A-Za-z][A-Za-z0-9_]{0,63}$",
+        description="what is installed, for the parameters of its process: BJ for an MS20470AD (NAS523)",
+    ),
+]
 Direction = Literal["x", "arc"]
 Side = Literal["+x", "-x"]
 
@@ -184,6 +191,7 @@ class FastenerDefinition(Strict):
     grip_mm: Grip | FromStack
     process: Name
     die: Name | None = None
+    code: FastenerCode | None = None
 
 
 class ZoneDefinition(Strict):
@@ -219,6 +227,7 @@ class RowDefinition(Strict):
     grip_mm: Grip | FromStack
     process: Name
     die: Name | None = None
+    code: FastenerCode | None = None
 
 
 class AdjustmentDefinition(Strict):

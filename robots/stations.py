@@ -81,15 +81,10 @@ def find_station(
     previous_angle: C there [rad].
     """
     machine, die = cell.machine, cell.die
-    placement = riveter.place(machine, cell.panel.mounting, fastener.p, fastener.n)
-    if isinstance(placement, OutOfLimits):
-        return Refusal(die.id, out_of_limits=placement)
-    opened_W = riveter.open_height(machine, stack.depth, fastener.diameter)
-    clamped_W = riveter.contact_height(machine, stack.depth)
-    for W in (opened_W, clamped_W):
-        beyond = riveter.die_height_out_of_limits(machine, W)
-        if beyond is not None:
-            return Refusal(die.id, out_of_limits=beyond)
+    placed = _placed(cell, fastener, stack)
+    if isinstance(placed, OutOfLimits):
+        return Refusal(die.id, out_of_limits=placed)
+    placement, opened_W, clamped_W = placed
     travel = _travel(cell, came_from, fastener, placement, previous_angle)
     angles = riveter.die_angles(machine, travel, previous_angle, axisymmetric=die.axisymmetric)
     programmed = [_programmed_angle(C) for C in angles]
@@ -109,6 +104,34 @@ def station_at(fastener: Fastener, angles: DieAngles, C: float) -> Station:
         raise ValueError(f"fastener {fastener.id} is out of the machine's limits")
     opened, clamped = (NcAxes.of(np.append(q[:-1], C)).q for q in (angles.opened, angles.clamped))
     return Station(fastener, angles.die_id, opened, clamped)
+
+
+def station_turned_to(cell: Cell, fastener: Fastener, stack: Stack, C: float) -> Station | None:
+    """The station with the die at angle `C` [rad]; None where it is out of limits or not proved free."""
+    placed = _placed(cell, fastener, stack)
+    if isinstance(placed, OutOfLimits):
+        return None
+    placement, *heights = placed
+    opened, clamped = (NcAxes.of(placement.q(W, C)).q for W in heights)
+    if not cell.machine.within_limits(opened) or not cell.process_is_free(fastener, opened, clamped):
+        return None
+    return Station(fastener, cell.die.id, opened, clamped)
+
+
+def _placed(cell: Cell, fastener: Fastener, stack: Stack) -> tuple[Placement, float, float] | OutOfLimits:
+    """Where the machine stands at a fastener whose `stack` is pierced there, and W [m] there, open and
+    clamped.
+    """
+    machine = cell.machine
+    placement = riveter.place(machine, cell.panel.mounting, fastener.p, fastener.n)
+    if isinstance(placement, OutOfLimits):
+        return placement
+    heights = (
+        riveter.open_height(machine, stack.depth, fastener.diameter),
+        riveter.contact_height(machine, stack.depth),
+    )
+    beyond = (riveter.die_height_out_of_limits(machine, W) for W in heights)
+    return next((each for each in beyond if each is not None), (placement, *heights))
 
 
 def _between_samples(cell: Cell, fastener: Fastener, stack: Stack, default: float) -> Station | None:

@@ -1,4 +1,4 @@
-"""Die and process libraries from JSON: `load_dies`, `load_processes`, `load_process`."""
+"""Die libraries from JSON: `load_dies`."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -21,7 +21,6 @@ from robots.definition_file import (
 from robots.dies import TIP, Die, DieLibrary
 from robots.errors import InputProblem
 from robots.machine import DIE, PANEL
-from robots.processes import Process, ProcessLibrary, ProcessStep, StepCode
 from robots.shape_file import CylinderFile, DieSolidFile, PrismFile, build_solid
 from robots.strict_json import Document
 
@@ -58,52 +57,6 @@ class DieLibraryFile(Strict):
     dies: Annotated[list[DieFile], Field(min_length=1, max_length=1000)]
 
 
-class ProcessStepFile(Strict):
-    """One step; durations beyond two minutes are in the wrong unit."""
-
-    code: StepCode
-    duration_s: Annotated[float, Field(gt=0.0, le=120.0)]
-    source: Text
-
-
-class ProcessFile(Strict):
-    """One process template."""
-
-    id: Name
-    title: Text
-    source: Text
-    steps: Annotated[list[ProcessStepFile], Field(min_length=2, max_length=64)]
-
-    @model_validator(mode="after")
-    def _check(self) -> "ProcessFile":
-        expected = {0: StepCode.CLAMP, len(self.steps) - 1: StepCode.UNCLAMP}
-        problems = [
-            InputProblem(
-                f"/steps/{i}/code",
-                "clamp_not_paired",
-                f"step {i} is {step.code} where {expected.get(i, 'a step between them')} must be",
-                step.code,
-                "Begin with CLAMP and end with UNCLAMP, each once.",
-            )
-            for i, step in enumerate(self.steps)
-            if step.code != expected.get(i, step.code)
-            or (i not in expected and step.code in (StepCode.CLAMP, StepCode.UNCLAMP))
-        ]
-        if problems:
-            raise invalid(problems)
-        return self
-
-
-class ProcessLibraryFile(Strict):
-    """All process templates of a shop."""
-
-    schema_version: SchemaVersion
-    id: Name
-    title: Text
-    source: Text
-    processes: Annotated[list[ProcessFile], Field(min_length=1, max_length=1000)]
-
-
 def load_dies(path: Path | bytes = DATA / "dies.json") -> DieLibrary:
     """Read a die library from a file or from its text; raise InvalidInput with every problem of the file."""
     file, definition = read_definition(path, DieLibraryFile, [_die_names, _mounting])
@@ -121,26 +74,6 @@ def load_dies(path: Path | bytes = DATA / "dies.json") -> DieLibrary:
     return DieLibrary(file.id, dies, definition)
 
 
-def load_processes(path: Path = DATA / "processes.json") -> ProcessLibrary:
-    """Read a library of process templates; raise InvalidInput with every problem of the file."""
-    file, definition = read_definition(path, ProcessLibraryFile, [_process_names])
-    processes = tuple(
-        Process(
-            id=process.id,
-            title=process.title,
-            source=process.source,
-            steps=tuple(ProcessStep(step.code, step.duration_s, step.source) for step in process.steps),
-        )
-        for process in file.processes
-    )
-    return ProcessLibrary(file.id, processes, definition)
-
-
-def load_process(process_id: str) -> Process:
-    """The process template of that id from the default library; raise UnknownName with the ids there are."""
-    return load_processes()[process_id]
-
-
 def _die_names(document: Document) -> Iterable[InputProblem]:
     yield from duplicates(select_names(document, "/dies/*/id"), "die")
     for pointer, die in select(document, "/dies/*"):
@@ -152,10 +85,6 @@ def _die_names(document: Document) -> Iterable[InputProblem]:
                 yield InputProblem(
                     at, "reserved_name", f"{name!r} has a meaning of its own in pairs", name, remedy
                 )
-
-
-def _process_names(document: Document) -> Iterable[InputProblem]:
-    return duplicates(select_names(document, "/processes/*/id"), "process")
 
 
 def _mounting(document: Document) -> Iterable[InputProblem]:

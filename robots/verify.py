@@ -23,13 +23,14 @@ from robots.nc_json import program_sha256, rounded, rounded_certificate, with_ce
 from robots.panel import Panel
 from robots.proof.items import SHARPNESS
 from robots.proof.layout import Ints
-from robots.verify_clearance import MOST_VIOLATIONS, Clearance, Covered, TooClose, cover
+from robots.verify_blend import rounded_corners
+from robots.verify_clearance import MOST_VIOLATIONS, Clearance, Covered, TooClose, cover, until_next
 from robots.verify_fasteners import fastener_findings
 from robots.verify_inputs import input_findings, inputs_of
-from robots.verify_motion import motion_findings, valid, within_travel
+from robots.verify_motion import motion_findings, within_travel
 from robots.verify_motions import configurations
 from robots.verify_order import order_findings
-from robots.verify_profile import rest_to_rest
+from robots.verify_profile import profile_of, time_of
 
 CHECKER = NcChecker("rivetplan-verify", "1")
 MAX_PER_CODE = 100
@@ -134,7 +135,8 @@ def _clearance_findings(
             f"{len(left)} blocks, from block {left[0] if left else '?'} on, cannot be placed: travel or die"
         )
         yield Finding("not_examined", text, left[0] if left else None)
-    covered = cover(program.blocks, q, rows, panel, machine)
+    corners, _ = rounded_corners(program, q)
+    covered = cover(program.blocks, q, rows, panel, machine, corners)
     for violation in covered.violations:
         yield _too_close(program.blocks[violation.row], violation, machine)
     if not covered.complete:
@@ -143,6 +145,8 @@ def _clearance_findings(
     for row in covered.undecided:
         n = program.blocks[row].n
         yield Finding("not_examined", f"block {n} needs more room than the examination has", n)
+    for row, deviation in covered.astray:
+        yield _astray(program.blocks[row], deviation)
     for row in rows if covered.complete else ():
         block = program.blocks[row]
         if block.kind == "process" and int(row) not in covered.touching:
@@ -164,6 +168,8 @@ def _placeable(blocks: tuple[NcBlock, ...], q: Array, machine: Machine) -> Ints:
 def _too_close(block: NcBlock, found: TooClose, machine: Machine) -> Finding:
     at = f"block {block.n} ({block.kind}" + (f", {block.fastener_id})" if block.fastener_id else ")")
     gap, need, time = 1e3 * found.gap, 1e3 * found.need, _time(block, found.s)
+    if found.corner_at is not None:
+        at, time = f"{at}, in the corner at its end", until_next(block) + found.corner_at
     if found.in_stack:
         depth = 1e3 * machine.policy.contact_depth
         text = (
@@ -174,15 +180,27 @@ def _too_close(block: NcBlock, found: TooClose, machine: Machine) -> Finding:
     else:
         text = f"{at}: {found.solid} is {gap:.3f} mm from {found.other} at {time:.3f} s, needs {need:.3f} mm"
         code = "clearance"
+    if found.corner_at is not None and gap >= need:
+        text = f"{text}, which is not proven: the axes may be a little off there"
     pair = (found.solid, found.other)
     return Finding(code, text, block.n, block.fastener_id, pair, gap, need, time)
+
+
+def _astray(block: NcBlock, deviation: float) -> Finding:
+    stated = 0.0 if block.blend is None else block.blend.deviation_mm
+    text = (
+        f"block {block.n}: in the corner at its end the tip may be {1e3 * deviation:.4f} mm off its way, "
+        f"{stated:.4f} mm are stated"
+    )
+    return Finding("blend_deviation", text, block.n, block.fastener_id)
 
 
 def _stated(blocks: tuple[NcBlock, ...], covered: Covered) -> tuple[NcClearance | None, ...]:
     def stated(block: NcBlock, found: Clearance | None) -> NcClearance | None:
         if found is None:
             return None
-        mm, at = _DOWN.text(1e3 * found.proven), _DIGITS.text(_time(block, found.s))
+        time = _time(block, found.s) if found.at is None else found.at
+        mm, at = _DOWN.text(1e3 * found.proven), _DIGITS.text(time)
         return NcClearance(float(mm), found.pair, float(at))
 
     return tuple(stated(block, found) for block, found in zip(blocks, covered.clearances, strict=True))
@@ -206,10 +224,8 @@ def _time(block: NcBlock, s: float) -> float:
     duration = block.t_end_s - block.t_start_s
     if not (np.isfinite(duration) and duration > 0.0):
         return 0.0
-    if block.dynamics is None or not valid(block.dynamics):
-        return s * duration
-    profile = rest_to_rest(block.dynamics.v_per_s, block.dynamics.a_per_s2, block.dynamics.j_per_s3)
-    return min(profile.time(s), duration)
+    profile = None if block.dynamics is None else profile_of(block.dynamics)
+    return s * duration if profile is None else min(time_of(profile, s), duration)
 
 
 def _least(blocks: tuple[NcBlock, ...], examination: Examination) -> NcMinClearance | None:

@@ -5,7 +5,7 @@ Machine, panel and blocks are packed into flat arrays here; `robots.proof` does 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,6 +37,8 @@ from robots.proof.layout import (
     Scene,
 )
 from robots.solids import Solid
+from robots.verify_blend import Corners
+from robots.verify_corners import CoveredCorners, cover_corners
 from robots.verify_kinematics import Kinematics
 from robots.verify_motions import anchors_of, contact_runs
 from robots.verify_obstacles import Obstacles
@@ -53,7 +55,8 @@ class TooClose:
     """A violation: block row, the pair, s on the block, measured gap and needed clearance [m]; gap < 0:
     overlap.
 
-    `in_stack`: the pair is the die tip and a part of the stack it works on.
+    `in_stack`: the pair is the die tip and a part of the stack it works on. `corner_at`: where the corner at
+    the end of the block is meant, [s] since the next one began; s does not matter then.
     """
 
     row: int
@@ -63,15 +66,19 @@ class TooClose:
     gap: float
     need: float
     in_stack: bool
+    corner_at: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """Proven clearance of a block [m], at most CAP; the pair and s where it was measured, None above."""
+    """Proven clearance of a block, its corners included [m], at most CAP; the pair and s where it was
+    measured, None above; `at`: the time [s] since the block began instead of s, in a corner.
+    """
 
     proven: float
     pair: tuple[str, str] | None
     s: float
+    at: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +87,8 @@ class Covered:
 
     poses: how many were looked at. touching: rows of process blocks whose die tip stands on the stack.
     complete: whether everything was examined; not where there are more than MOST_VIOLATIONS.
-    undecided: rows left undecided, because they need more room than the examination has.
+    undecided: rows left undecided, because they need more room than the examination has. astray: rows whose
+    corner is not proven to be within the deviation stated, and by how much it may deviate [m].
     """
 
     violations: tuple[TooClose, ...]
@@ -89,12 +97,21 @@ class Covered:
     touching: frozenset[int]
     complete: bool
     undecided: tuple[int, ...]
+    astray: tuple[tuple[int, float], ...] = ()
 
 
-def cover(blocks: Sequence[NcBlock], q: Array, rows: Ints, panel: Panel, machine: Machine) -> Covered:
+def cover(
+    blocks: Sequence[NcBlock],
+    q: Array,
+    rows: Ints,
+    panel: Panel,
+    machine: Machine,
+    corners: Corners | None = None,
+) -> Covered:
     """Prove the clearances of the block rows given, all with known dies and axes within travel.
 
-    q: configurations at the ends of all blocks, (B, n). Raises ValueError for numbers that are not finite.
+    q: configurations at the ends of all blocks, (B, n). corners: those that are rounded; proven where both
+    blocks are among the rows. Raises ValueError for numbers that are not finite.
     """
     dies = [machine.dies[die_id] for die_id in sorted({blocks[row].die_id for row in rows})]
     runs = [tasks_of(machine, panel, die, at_process) for die in dies for at_process in (False, True)]
@@ -103,7 +120,13 @@ def cover(blocks: Sequence[NcBlock], q: Array, rows: Ints, panel: Panel, machine
     motions = _blocks(blocks, q, panel, machine, kinematics, [die.id for die in dies])
     require_finite(scene, motions, rows)
     found = examine(scene, motions, rows, CAP, MOST_VIOLATIONS)
-    return _covered(found, rows, scene, motions, solids, obstacles)
+    covered = _covered(found, rows, scene, motions, solids, obstacles)
+    if corners is None or not covered.complete:
+        return covered
+    both = np.isin(corners.rows, rows) & np.isin(corners.rows + 1, rows)
+    corners = corners.where(both)
+    of_corners = cover_corners(scene, motions, corners, CAP, MOST_VIOLATIONS)
+    return _with_corners(covered, corners, of_corners, blocks, _Names(scene, solids, obstacles))
 
 
 def _blocks(
@@ -125,19 +148,67 @@ def _blocks(
     return Blocks(
         start=start,
         delta=q - start,
+        slack=np.zeros_like(start),
         anchors=anchors_of([block.kind for block in blocks], tip),
         what=what,
         contact_part=contact_part,
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _Names:
+    """Tells the names of a pair by its task and piece."""
+
+    scene: Scene
+    solids: list[Solid]
+    obstacles: Obstacles
+
+    def pair(self, task: float, piece: float) -> tuple[str, str]:
+        solid, other = (int(i) for i in self.scene.tasks[int(task), (SOLID, OTHER)])
+        of_piece = self.obstacles.part_ids[int(self.obstacles.pieces[int(piece), PART])]
+        return self.solids[solid].name, of_piece if other < 0 else self.solids[other].name
+
+
+def _with_corners(
+    covered: Covered, corners: Corners, found: CoveredCorners, blocks: Sequence[NcBlock], names: _Names
+) -> Covered:
+    """What is known of the blocks when what is known of their corners is added."""
+    violations, clearances = list(covered.violations), list(covered.clearances)
+    for corner, task, piece, at, gap, need, *_ in found.violations.tolist():
+        row = int(corners.rows[int(corner)])
+        violations.append(TooClose(row, *names.pair(task, piece), 0.0, gap, need, False, at))
+    undecided = set(covered.undecided)
+    for c, row in enumerate(corners.rows.tolist()):
+        for one in (row, row + 1):
+            known = clearances[one]
+            if found.lower[c] < 0.0:
+                clearances[one] = None
+                undecided |= {one} if one == row else set()
+            elif known is not None and found.lower[c] < known.proven:
+                since = float(found.at[c]) + (until_next(blocks[row]) if one == row else 0.0)
+                pair = names.pair(*found.of[c]) if found.of[c, 0] >= 0 else None
+                clearances[one] = Clearance(float(found.lower[c]), pair, 0.0, since)
+    undecided -= {one.row for one in violations}
+    astray = np.flatnonzero(~(found.deviation <= corners.allowed))  # or NaN
+    return replace(
+        covered,
+        violations=_worst(violations),
+        clearances=tuple(clearances),
+        poses=covered.poses + found.poses,
+        undecided=tuple(sorted(undecided)),
+        astray=tuple((int(corners.rows[c]), float(found.deviation[c])) for c in astray),
+    )
+
+
+def until_next(block: NcBlock) -> float:
+    """Time [s] from the start of a block to that of the next."""
+    return block.t_end_s - block.t_start_s - (0.0 if block.blend is None else block.blend.overlap_s)
+
+
 def _covered(
     found: Found, rows: Ints, scene: Scene, motions: Blocks, solids: list[Solid], obstacles: Obstacles
 ) -> Covered:
-    def pair(task: float, piece: float) -> tuple[str, str]:
-        solid, other = (int(i) for i in scene.tasks[int(task), (SOLID, OTHER)])
-        of_piece = obstacles.part_ids[int(obstacles.pieces[int(piece), PART])]
-        return solids[solid].name, of_piece if other < 0 else solids[other].name
+    pair = _Names(scene, solids, obstacles).pair
 
     def violation(line: Array) -> TooClose:
         row, task, piece, s, gap, need = line.tolist()

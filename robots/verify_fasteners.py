@@ -70,6 +70,8 @@ def _data(stated: NcFastener, fastener: Fastener, stack: Stack) -> Iterator[Find
         differing.append("grip_mm")
     if stated.stack != stack.parts:
         differing.append("stack")
+    if stated.code != fastener.code:
+        differing.append("code")
     if differing:
         text = f"fastener {stated.id}: {', '.join(differing)} differ from the panel"
         yield Finding("fastener_data", text, None, stated.id)

@@ -1,17 +1,22 @@
 """Checks of what is around the blocks: inputs by hash, machine data, policy, summary, certificate."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple
 
 import numpy as np
 
 from robots.machine import Machine
-from robots.nc import Finding, NcInput, NcInputs, NcProgram
+from robots.nc import Finding, NcBlock, NcInput, NcInputs, NcProgram
+from robots.nc_cycle import NcCycle
 from robots.nc_json import program_sha256
 from robots.panel import Panel
+from robots.verify_processes import process_findings
 
 _DIGIT_MM = 1e-4
 _DIGIT = 1.01e-6
-_ORIGIN = ("direct", "planned", "fallback", "process")
+_ORIGIN = re.compile(r"direct|planned|fallback|process|reused:.*|approach:[0-9]{1,3}", re.DOTALL)
+_ORIGINS = "direct, planned, fallback, process, reused:<id>, approach:<order>"
 
 
 def inputs_of(panel: Panel, machine: Machine) -> NcInputs:
@@ -30,7 +35,7 @@ def input_findings(program: NcProgram, panel: Panel, machine: Machine) -> Iterat
     yield from _axes(program, machine)
     yield from _datums(program, panel)
     yield from _policy(program, panel, machine)
-    yield from _processes(program, machine)
+    yield from process_findings(program, panel, machine)
     yield from _origins(program)
     yield from _summary(program)
     yield from _certificate(program)
@@ -67,6 +72,9 @@ def _datums(program: NcProgram, panel: Panel) -> Iterator[Finding]:
     wanted[3] = (0.0, 0.0, 0.0, 1.0)
     if not np.all(np.abs(stated - wanted) <= 1e-6) or any(program.datums.machine_datum_mm):
         yield Finding("datum", "the stated panel frame or machine datum differs from the panel's mounting")
+    measured = program.datums.measured_fit, program.datums.deviation_envelope_mm
+    if measured != (panel.measured_fit, panel.deviation_envelope_mm):
+        yield Finding("measured_fit", "the stated measurement is not the one the panel is mounted by")
 
 
 def _policy(program: NcProgram, panel: Panel, machine: Machine) -> Iterator[Finding]:
@@ -96,26 +104,10 @@ def _policy(program: NcProgram, panel: Panel, machine: Machine) -> Iterator[Find
         yield Finding("policy_weakened", "the program does not ask for exact stops at events")
 
 
-def _processes(program: NcProgram, machine: Machine) -> Iterator[Finding]:
-    library = {process.id: process for process in machine.processes}
-    for stated in program.processes:
-        template = library.get(stated.id)
-        steps = () if template is None else tuple((str(s.code), s.duration) for s in template.steps)
-        same = len(steps) == len(stated.steps) and all(
-            s.code == code and abs(s.duration_s - duration) <= _DIGIT
-            for s, (code, duration) in zip(stated.steps, steps, strict=True)
-        )
-        if not same or not abs(stated.retract_mm - 1e3 * machine.retract_margin) <= _DIGIT_MM:
-            yield Finding("process_data", f"process {stated.id}: the stated data differ from the machine's")
-    listed = {process.id for process in program.processes}
-    for missing in sorted({b.process_id for b in program.blocks if b.process_id} - listed):
-        yield Finding("process_data", f"process {missing} is used but not stated")
-
-
 def _origins(program: NcProgram) -> Iterator[Finding]:
     for block in program.blocks:
-        if block.origin not in _ORIGIN and not block.origin.startswith("reused:"):
-            text = f"block {block.n}: origin {block.origin!r} is not one of {', '.join(_ORIGIN)}, reused:<id>"
+        if not _ORIGIN.fullmatch(block.origin):
+            text = f"block {block.n}: origin {block.origin!r} is not one of {_ORIGINS}"
             yield Finding("origin", text, block.n, block.fastener_id)
 
 
@@ -129,16 +121,34 @@ def _summary(program: NcProgram) -> Iterator[Finding]:
     wrong += [] if abs(program.summary.cycle_time_s - last) <= _DIGIT else ["cycle_time_s"]
     spent = dict.fromkeys(("process", "move", "approach", "escape", "die_change"), 0.0)
     for block in program.blocks:
-        spent[_spent_on(block.kind, block.origin)] += block.t_end_s - block.t_start_s
+        together = 0.0 if block.blend is None else block.blend.overlap_s
+        spent[_spent_on(block.kind, block.origin)] += block.t_end_s - together - block.t_start_s
     stated = program.summary.breakdown_s
     wrong += [name for name, value in spent.items() if not abs(getattr(stated, name) - value) <= 1e-5]
+    wrong += [] if _is_cycle(program.summary.cycle, program.blocks) else ["cycle"]
     if wrong:
         yield Finding("summary", f"the summary does not match the program: {', '.join(wrong)}")
 
 
+def _is_cycle(stated: NcCycle | None, blocks: Sequence[NcBlock]) -> bool:
+    """Whether the cycle time is that of the blocks; a program need not state one."""
+    approaches = [block.t_start_s for block in blocks if block.kind == "approach"]
+    retreats = [block.t_end_s for block in blocks if block.kind == "retreat"]
+    if stated is None or not approaches or not retreats:
+        return stated is None
+    n, first, last = len(approaches), approaches[0], approaches[-1]
+    cycle = (last - first) / (n - 1) if n > 1 else retreats[-1] - first
+    if not cycle > 0.0:
+        return False
+    to_first, back = first - blocks[0].t_start_s, blocks[-1].t_end_s - retreats[-1]
+    total = to_first + n * cycle + back
+    wanted = (n, to_first, cycle, 60.0 / cycle, n * cycle, back, total)
+    return all(abs(a - b) <= 1e-5 for a, b in zip(astuple(stated), wanted, strict=True))
+
+
 def _spent_on(kind: str, origin: str) -> str:
     if kind == "move":
-        return "move" if origin == "direct" else "escape"
+        return "move" if origin.startswith(("direct", "approach:")) else "escape"
     return "approach" if kind == "retreat" else kind
 
 

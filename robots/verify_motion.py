@@ -4,16 +4,18 @@ Comparisons are written so that a NaN fails them.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import inf, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planners.arrays import Array
 from robots.machine import Machine
-from robots.nc import AXIS_FIELDS, Finding, NcBlock, NcDynamics, NcProgram
+from robots.nc import AXIS_FIELDS, Finding, NcBlock, NcProgram
+from robots.nc_blend import TimingLaw
+from robots.verify_blend import dynamics_findings, rounded_corners
 from robots.verify_motions import configurations
-from robots.verify_profile import rest_to_rest
+from robots.verify_profile import profile_of
 
 TIME_DIGIT = 1e-6
 """[s] One digit of the program's times; durations are rounded up to it."""
@@ -21,6 +23,12 @@ _HALF_DIGIT = 0.51 * TIME_DIGIT
 _TRAVEL_TOLERANCE = 1e-7  # [m] or [rad]: half a digit of an axis value
 _RELATIVE = 1e-9  # of a limit: arithmetic only, the program's limits are rounded down
 _RESTING = ("process", "die_change")
+_LAWS: dict[TimingLaw, tuple[TimingLaw, ...]] = {
+    "exact_stop": ("exact_stop",),
+    "overlap": ("overlap", "exact_stop"),
+    "s_curve": ("s_curve",),
+}
+"""The laws of the blocks of a program of each law; `overlap` is that of blocks that overlap."""
 
 
 def motion_findings(program: NcProgram, machine: Machine) -> Iterator[Finding]:
@@ -40,7 +48,11 @@ def motion_findings(program: NcProgram, machine: Machine) -> Iterator[Finding]:
         else:
             too_fast = () if slow_enough[i] else _axis_dynamics(block, commanded[i], machine)
             yield from _motion(block, too_fast)
+            yield from _law(block, previous, program.policy.timing_law)
         previous = block
+    corners, problems = rounded_corners(program, q)
+    yield from problems
+    yield from dynamics_findings(program, corners, machine)
 
 
 def within_travel(q: Array, machine: Machine) -> NDArray[np.bool_]:
@@ -48,12 +60,6 @@ def within_travel(q: Array, machine: Machine) -> NDArray[np.bool_]:
     within = (q >= machine.lower - _TRAVEL_TOLERANCE) & (q <= machine.upper + _TRAVEL_TOLERANCE)
     inside: NDArray[np.bool_] = np.logical_and.reduce(within, axis=1)
     return inside
-
-
-def valid(dynamics: NcDynamics) -> bool:
-    """Whether the path limits are positive numbers."""
-    limits = (dynamics.v_per_s, dynamics.a_per_s2, dynamics.j_per_s3)
-    return all(0.0 < limit < inf for limit in limits)
 
 
 def _travel(block: NcBlock, q: Array, machine: Machine) -> Iterator[Finding]:
@@ -68,9 +74,15 @@ def _travel(block: NcBlock, q: Array, machine: Machine) -> Iterator[Finding]:
 
 
 def _time(block: NcBlock, previous: NcBlock | None) -> Iterator[Finding]:
-    expected = 0.0 if previous is None else previous.t_end_s
+    expected, says = 0.0, "ends"
+    if previous is not None:
+        expected = previous.t_end_s
+        if previous.blend is not None:
+            expected, says = expected - previous.blend.overlap_s, "leaves off"
     if not abs(block.t_start_s - expected) <= _HALF_DIGIT:
-        text = f"block {block.n} starts at {block.t_start_s:.6f} s, the block before ends at {expected:.6f} s"
+        text = (
+            f"block {block.n} starts at {block.t_start_s:.6f} s, the block before {says} at {expected:.6f} s"
+        )
         yield Finding("time_gap", text, block.n, block.fastener_id)
     if not block.t_end_s >= block.t_start_s:
         text = f"block {block.n} ends at {block.t_end_s:.6f} s, before it starts at {block.t_start_s:.6f} s"
@@ -95,16 +107,28 @@ def _motion(block: NcBlock, too_fast: Iterable[Finding]) -> Iterator[Finding]:
         )
         return
     limits = (stated.v_per_s, stated.a_per_s2, stated.j_per_s3)
-    if not valid(stated):
+    profile = profile_of(stated)
+    if profile is None:
         text = f"block {block.n}: the path limits {limits} must all be positive numbers"
         yield Finding("dynamics_invalid", text, block.n, block.fastener_id)
         return
     yield from too_fast
-    needed = rest_to_rest(*limits).duration
+    needed = profile.duration
     duration = block.t_end_s - block.t_start_s
     if not needed - _HALF_DIGIT <= duration <= needed + TIME_DIGIT + _HALF_DIGIT:
         text = f"block {block.n} takes {duration:.6f} s, its dynamics give {needed:.6f} s"
         yield Finding("duration_mismatch", text, block.n, block.fastener_id)
+
+
+def _law(block: NcBlock, previous: NcBlock, of_program: TimingLaw) -> Iterator[Finding]:
+    """A block is timed as the program's policy says, and by `overlap` exactly where it overlaps."""
+    if block.dynamics is None:
+        return
+    law, overlaps = block.dynamics.law, block.blend is not None or previous.blend is not None
+    if law not in _LAWS[of_program] or (law == "overlap") != overlaps:
+        how = "overlaps" if overlaps else "does not overlap"
+        text = f"block {block.n} is timed by the law {law} and {how}; the program's law is {of_program}"
+        yield Finding("timing_law", text, block.n, block.fastener_id)
 
 
 def _commanded(blocks: Sequence[NcBlock], delta: Array) -> Array:

@@ -11,6 +11,7 @@ from robots.panel import Fastener, Panel
 from robots.processes import Process, StepCode
 from robots.verify_motion import TIME_DIGIT
 from robots.verify_motions import configurations
+from robots.verify_processes import handshake_fault
 
 _AXIS_TOLERANCE = 1.5e-7  # [m]: a digit of W at each end
 _NEXT = {"approach": "process", "process": "retreat"}
@@ -175,6 +176,11 @@ def _steps(block: NcBlock, template: Process) -> Iterator[Finding]:
         )
         yield Finding("event_order", text, block.n, block.fastener_id)
         return
+    for event, step in zip(block.events, template.steps, strict=True):
+        fault = handshake_fault(event, step)
+        if fault:
+            text = f"block {block.n}: {event.code} {fault} (process {template.id})"
+            yield Finding("handshake", text, block.n, block.fastener_id)
     ends = [*(event.at_s for event in block.events[1:]), block.t_end_s - block.t_start_s]
     if not abs(block.events[0].at_s) <= TIME_DIGIT:
         text = f"block {block.n}: {codes[0]} must start with the block, not at {block.events[0].at_s:.6f} s"

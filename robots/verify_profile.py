@@ -1,14 +1,48 @@
-"""The verifier's own rest-to-rest profile: jerk-limited, over the unit distance, in closed form.
+"""The verifier's own rest-to-rest profiles over the unit distance, in closed form.
 
-Seven phases of constant jerk j, 0, -j, 0, -j, 0, j (Biagiotti and Melchiorri 2008, section 3.4). With limits
-v, a, j: acceleration lasts tj + ta + tj, cruising tv, braking mirrors acceleration. Which limits are reached
-decides the case.
+Jerk-limited: seven phases of constant jerk j, 0, -j, 0, -j, 0, j (Biagiotti and Melchiorri 2008, section
+3.4). With limits v, a, j: acceleration lasts tj + ta + tj, cruising tv, braking mirrors acceleration. Which
+limits are reached decides the case.
+
+S-curve: from 0 to a speed v, w = t/T, the speed is v w^2 (3 - 2 w); then a cruise; then the same back. Its
+acceleration 6 v w (1 - w) / T peaks in the middle at 1.5 v/T, its jerk 6 v (1 - 2 w) / T^2 at both ends. So
+the shortest ramp is the longer of 1.5 v/a and sqrt(6 v/j), and two ramps alone take the way v T <= 1.
 """
 
 from dataclasses import dataclass
-from math import cbrt, sqrt
+from math import cbrt, inf, sqrt
+from typing import Protocol
+
+from robots.nc import NcDynamics
 
 _TIME_RESOLUTION = 1e-7  # [s] a tenth of the program's digit
+
+
+class Timed(Protocol):
+    """s rising from 0 to 1 in `duration` [s]."""
+
+    @property
+    def duration(self) -> float:
+        """From rest to rest [s]."""
+        ...
+
+    def position(self, t: float) -> float:
+        """s(t), t in [s]."""
+        ...
+
+
+def time_of(profile: Timed, s: float) -> float:
+    """The time at which a profile reaches s, by bisection; [s]."""
+    low, high = 0.0, profile.duration
+    if s <= 0.0 or s >= 1.0:
+        return low if s <= 0.0 else high
+    while high - low > _TIME_RESOLUTION:
+        middle = 0.5 * (low + high)
+        if profile.position(middle) < s:
+            low = middle
+        else:
+            high = middle
+    return high
 
 
 @dataclass(frozen=True)
@@ -32,19 +66,6 @@ class Profile:
         if t >= self.duration - ramp:
             return 1.0 - self._ramp(max(self.duration - t, 0.0))
         return self._ramp(ramp) + self._speed * (t - ramp)
-
-    def time(self, s: float) -> float:
-        """The time at which s is reached, by bisection; [s]."""
-        low, high = 0.0, self.duration
-        if s <= 0.0 or s >= 1.0:
-            return low if s <= 0.0 else high
-        while high - low > _TIME_RESOLUTION:
-            middle = 0.5 * (low + high)
-            if self.position(middle) < s:
-                low = middle
-            else:
-                high = middle
-        return high
 
     @property
     def _speed(self) -> float:
@@ -77,3 +98,37 @@ def rest_to_rest(v: float, a: float, j: float) -> Profile:
     if ta >= 0.0:
         return Profile(tj, ta, 0.0, j)
     return Profile(cbrt(0.5 / j), 0.0, 0.0, j)
+
+
+@dataclass(frozen=True)
+class SCurve:
+    """Time of each ramp [s], and the speed of the cruise between them [1/s]."""
+
+    ramp_time: float
+    speed: float
+
+    @property
+    def duration(self) -> float:
+        return self.ramp_time + 1.0 / self.speed
+
+    def position(self, t: float) -> float:
+        """s(t), rising from 0 to 1, for t in [s]."""
+        late = t > 0.5 * self.duration
+        t = min(max(self.duration - t if late else t, 0.0), self.duration)
+        w = min(t / self.ramp_time, 1.0)
+        s = self.speed * (self.ramp_time * w**3 * (1.0 - 0.5 * w) + max(t - self.ramp_time, 0.0))
+        return 1.0 - s if late else s
+
+
+def s_curve(v: float, a: float, j: float) -> SCurve:
+    """The fastest ramps and cruise over the unit distance within speed v, acceleration a and jerk j."""
+    speed = min(v, sqrt(a / 1.5), cbrt(j / 6.0))
+    return SCurve(max(1.5 * speed / a, sqrt(6.0 * speed / j)), speed)
+
+
+def profile_of(dynamics: NcDynamics) -> Profile | SCurve | None:
+    """The profile of a block by its law; None where its limits are not all positive numbers."""
+    limits = (dynamics.v_per_s, dynamics.a_per_s2, dynamics.j_per_s3)
+    if not all(0.0 < limit < inf for limit in limits):
+        return None
+    return s_curve(*limits) if dynamics.law == "s_curve" else rest_to_rest(*limits)

@@ -7,6 +7,7 @@ from fastapi import FastAPI
 
 from service import __version__, documentation, problem_handlers
 from service.engine import Engine, ProcessEngine
+from service.jobs.model import Jobs
 from service.routes import (
     accessibility,
     accessibility_areas,
@@ -16,7 +17,9 @@ from service.routes import (
     motions,
     programs,
     rivet_patterns,
+    verifications,
 )
+from service.security.gate import Gate
 from service.settings import Settings
 from service.strict_route import StrictRoute
 
@@ -27,15 +30,25 @@ Lengths are in mm, angles in degrees, times in seconds, and the field's name say
 RFC 9457 problem with a stable `code`. The same request gives the same bytes; the `ETag` is their sha256."""
 
 
-def create_app(settings: Settings | None = None, engine: Engine | None = None) -> FastAPI:
-    """Return the application. engine: what computes; worker processes without it."""
+def create_app(
+    settings: Settings | None = None, engine: Engine | None = None, jobs: Jobs | None = None
+) -> FastAPI:
+    """Return the application.
+
+    engine: what computes while clients wait; child processes without it. jobs: where long work is kept; none
+    without it.
+    """
     settings = settings or Settings()
     computing = engine or ProcessEngine(settings)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         await computing.start()
+        if jobs is not None:
+            await jobs.start()
         yield
+        if jobs is not None:
+            await jobs.close()
         await computing.close()
 
     app = FastAPI(
@@ -50,6 +63,7 @@ def create_app(settings: Settings | None = None, engine: Engine | None = None) -
     )
     app.state.settings = settings
     app.state.engine = computing
+    app.state.jobs = jobs
     for module in (
         programs,
         motions,
@@ -57,11 +71,13 @@ def create_app(settings: Settings | None = None, engine: Engine | None = None) -
         accessibility_areas,
         free_volumes,
         rivet_patterns,
+        verifications,
         machines,
         health,
     ):
         app.include_router(module.router)
     problem_handlers.install(app)
+    app.add_middleware(Gate, settings=settings.security)
     _serve_document(app)
     return app
 

@@ -1,46 +1,56 @@
-"""Writes an itinerary down as NC blocks, timed as exact stops.
+"""Writes an itinerary down as NC blocks.
 
-Numbers are rounded first and timed afterwards: axis values to the program's digits, path limits down,
-durations up to the next microsecond. Time is counted in whole microseconds, so that no sum depends on its
-order.
+Numbers are rounded first and timed afterwards (`service.timing`): axis values to the program's digits, path
+limits down, durations up to the next microsecond. Time is counted in whole microseconds, so that no sum
+depends on its order.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from planners.arrays import Array
-from planners.retiming import PathLimits, path_limits, rest_to_rest
+from planners.retiming import PathLimits
+from robots.cell import Cell
 from robots.links import Link
 from robots.machine import Machine
-from robots.nc import BlockKind, NcAxes, NcBlock, NcDynamics, NcEvent
-from robots.nc_codec import SignificantDown
+from robots.nc import BlockKind, NcAxes, NcBlock, NcEvent
 from robots.panel import Panel
+from robots.process_record import handshake_record
 from robots.processes import Process
 from robots.stations import Station
 from service.itinerary import DiePass, Itinerary
+from service.timing import MICRO, Timing, micro_up, timed_moves
 
 _BLOCK_STEP = 10
 """Block numbers leave room for lines inserted by hand, as on every control."""
-_MICRO = 1_000_000
-_LIMIT_DIGITS = SignificantDown(6)
 
 
 class BlockWriter:
-    """Collects the blocks of one program: `blocks`, `elapsed_us` and the time by kind, `spent_us`."""
+    """Collects the blocks of one program: `blocks`, `elapsed_us` and the time by kind, `spent_us`.
 
-    def __init__(self, machine: Machine, panel: Panel, first_die: str) -> None:
-        self._machine = machine
+    cells: gives the cell with a die, which certifies rounded corners; without it there are none.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        panel: Panel,
+        first_die: str,
+        timing: Timing | None = None,
+        cells: Callable[[str], Cell] | None = None,
+    ) -> None:
+        self._machine, self._timing, self._cells = machine, timing or Timing(), cells
         self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
         self._axes = NcAxes.of(machine.home)
-        self._q = self._axes.q
         self._die_id = first_die
         self.blocks: list[NcBlock] = []
         self.elapsed_us = 0
         self.spent_us: dict[str, int] = {}
         self.process_block: dict[str, int] = {}
+        self._events: dict[str, tuple[tuple[NcEvent, ...], int]] = {}
         self._rest("move", 0, origin="direct")
 
     def write(self, itinerary: Itinerary) -> None:
@@ -48,72 +58,76 @@ class BlockWriter:
         for each in itinerary.passes:
             if each.die_id != self._die_id:
                 self._die_id = each.die_id
-                self._rest("die_change", _micro_up(self._machine.die_change_duration))
+                self._rest("die_change", micro_up(self._machine.die_change_duration))
             self._write_pass(each)
 
     def _write_pass(self, each: DiePass) -> None:
+        left: list[Array] = []  # the open pose that a link leaves; none at home
         for stop in each.stops:
             if stop.link is None:
                 raise ValueError(f"fastener {stop.station.fastener.id} has no link")
-            self._write_link(stop.link, stop.station.fastener.id)
+            opened = stop.station.opened
+            self._write_link(stop.link, stop.station.fastener.id, [*left, opened])
             self._write_station(stop.station)
-        self._write_link(each.way_home, None)
+            left = [opened]
+        self._write_link(each.way_home, None, left)
 
-    def _write_link(self, link: Link, fastener_id: str | None) -> None:
+    def _write_link(self, link: Link, fastener_id: str | None, poses: Sequence[Array]) -> None:
+        """poses: the open poses at its ends."""
         origin = link.result.origin
-        for q in link.waypoints[1:]:
-            self._move("move", q, fastener_id, origin, "move" if origin == "direct" else "escape")
+        spent_on = "move" if origin.startswith(("direct", "approach:")) else "escape"
+        waypoints = list(link.waypoints[1:])
+        self._moves("move", waypoints, fastener_id, origin, spent_on, poses=poses, pace=link.pace)
 
     def _write_station(self, station: Station) -> None:
         fastener = station.fastener
         process = self._machine.processes[fastener.process]
         contacts = tuple(("tip", part) for part in self._stacks[fastener.id].parts)
-        self._move("approach", station.clamped, fastener.id, "process", "approach", contacts)
+        self._moves("approach", [station.clamped], fastener.id, "process", "approach", contacts)
         self._process(process, fastener.id, contacts)
-        self._move("retreat", station.opened, fastener.id, "process", "approach", contacts)
+        self._moves("retreat", [station.opened], fastener.id, "process", "approach", contacts)
 
     def _process(self, process: Process, fastener_id: str, contacts: tuple[tuple[str, str], ...]) -> None:
-        starts = np.cumsum([0, *(_micro_up(step.duration) for step in process.steps)]).tolist()
-        events = tuple(
-            NcEvent(str(step.code), at / _MICRO) for step, at in zip(process.steps, starts[:-1], strict=True)
-        )
-        self._rest("process", starts[-1], fastener_id, process.id, events, contacts)
+        if process.id not in self._events:
+            self._events[process.id] = process_events(process)
+        events, duration_us = self._events[process.id]
+        self._rest("process", duration_us, fastener_id, process.id, events, contacts)
         self.process_block[fastener_id] = self.blocks[-1].n
 
-    def _move(
+    def _moves(
         self,
         kind: BlockKind,
-        q: Array,
+        waypoints: Sequence[Array],
         fastener_id: str | None,
         origin: str,
         spent_on: str,
         contacts: tuple[tuple[str, str], ...] = (),
+        poses: Sequence[Array] | None = None,
+        pace: Sequence[PathLimits] | None = None,
     ) -> None:
-        """One straight block to `q` (n,); nothing where the machine stands there already."""
-        axes = NcAxes.of(q)
-        if axes == self._axes:
-            return
-        machine, written = self._machine, axes.q
-        limits = _written(path_limits(written - self._q, machine.v_max, machine.a_max, machine.j_max))
-        duration_us = _micro_up(rest_to_rest(limits).duration)
-        dynamics = NcDynamics(v_per_s=limits.v, a_per_s2=limits.a, j_per_s3=limits.j)
-        self._axes, self._q = axes, written
-        self._append(
-            NcBlock(
+        """Straight blocks through `waypoints`, each (n,); nothing where the machine stands there already.
+
+        poses: the open poses at the ends of a link, whose corners may be rounded; pace: see `Link`.
+        """
+        space = None
+        if self._timing.law == "overlap" and self._cells and poses is not None and len(waypoints) > 1:
+            space = self._cells(self._die_id).corner_space(poses)
+        for move in timed_moves(self._machine, self._timing, self._axes, waypoints, space, pace):
+            self._axes = move.axes
+            block = NcBlock(
                 n=self._next_n(),
                 kind=kind,
-                axes=axes,
-                t_start_s=self.elapsed_us / _MICRO,
-                t_end_s=(self.elapsed_us + duration_us) / _MICRO,
+                axes=move.axes,
+                t_start_s=self.elapsed_us / MICRO,
+                t_end_s=(self.elapsed_us + move.duration_us) / MICRO,
                 die_id=self._die_id,
-                dynamics=dynamics,
+                dynamics=move.dynamics,
                 fastener_id=fastener_id,
                 allowed_contacts=contacts,
                 origin=origin,
-            ),
-            duration_us,
-            spent_on,
-        )
+                blend=move.blend,
+            )
+            self._append(block, move.duration_us - move.overlap_us, spent_on)
 
     def _rest(
         self,
@@ -130,8 +144,8 @@ class BlockWriter:
             n=self._next_n(),
             kind=kind,
             axes=self._axes,
-            t_start_s=self.elapsed_us / _MICRO,
-            t_end_s=(self.elapsed_us + duration_us) / _MICRO,
+            t_start_s=self.elapsed_us / MICRO,
+            t_end_s=(self.elapsed_us + duration_us) / MICRO,
             die_id=self._die_id,
             events=events,
             fastener_id=fastener_id,
@@ -150,11 +164,11 @@ class BlockWriter:
         return _BLOCK_STEP * (len(self.blocks) + 1)
 
 
-def _written(limits: PathLimits) -> PathLimits:
-    """The limits as they will be written: rounded down, so never above what the axes allow."""
-    return PathLimits(*[_LIMIT_DIGITS.rounded(value) for value in (limits.v, limits.a, limits.j)])
-
-
-def _micro_up(seconds: float) -> int:
-    """Whole microseconds, rounded up; a nanosecond of rounding error above a whole one does not count."""
-    return math.ceil(seconds * _MICRO - 1e-3)
+def process_events(process: Process) -> tuple[tuple[NcEvent, ...], int]:
+    """The events of a process block, one after the other, and how long they take together [us]."""
+    starts = np.cumsum([0, *(micro_up(step.duration) for step in process.steps)]).tolist()
+    events = tuple(
+        NcEvent(str(step.code), at / MICRO, handshake_record(step))
+        for step, at in zip(process.steps, starts[:-1], strict=True)
+    )
+    return events, starts[-1]

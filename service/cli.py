@@ -9,15 +9,27 @@ import errno
 import io
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from service import __version__
+from service import __version__, cli_keys, cli_service, cli_tools
+from service.exits import REJECTED, UNUSABLE, or_exit
+from service.options import (
+    AnswerOption,
+    DieOption,
+    EnvelopeOption,
+    MachineOption,
+    MeasuredOption,
+    PanelFile,
+    ProcessesOption,
+    QuietOption,
+    ResidualOption,
+)
 
-T = TypeVar("T")
+if TYPE_CHECKING:
+    from service.timing import Timing
 
 app = typer.Typer(
     help="Plan, time and verify NC programs for riveting machines.",
@@ -26,21 +38,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-
-REJECTED = 1
-UNUSABLE = 2
-
-PanelFile = Annotated[Path, typer.Argument(metavar="PANEL.json", help="The panel file.", show_default=False)]
-RequestFile = Annotated[
-    Path, typer.Argument(metavar="FILE.json", help="What is posted to the service.", show_default=False)
-]
-AnswerOption = Annotated[Path | None, typer.Option(help="The whole answer as JSON. [default: none]")]
-QuietOption = Annotated[bool, typer.Option("--quiet", help="No table.")]
-DieOption = Annotated[
-    list[str] | None,
-    typer.Option(help="Id of a die to use; repeat it or separate ids by commas. [default: all]"),
-]
-MachineOption = Annotated[str, typer.Option("--machine", help="Id of a machine, or a definition file.")]
 
 
 def _print_version(wanted: bool) -> None:
@@ -63,6 +60,10 @@ def plan(
     panel: PanelFile,
     machine: MachineOption = "riveter",
     die: DieOption = None,
+    processes: ProcessesOption = None,
+    measured: MeasuredOption = None,
+    envelope_mm: EnvelopeOption = None,
+    residual_mm: ResidualOption = None,
     seed: Annotated[int, typer.Option(min=0, max=2**53 - 1, help="Same input and seed, same bytes.")] = 0,
     out: Annotated[
         Path | None, typer.Option(help="The program. [default: PANEL.nc.json in this directory]")
@@ -78,28 +79,66 @@ def plan(
         Literal["kernel", "coal"],
         typer.Option(help="Who certifies links: the compiled kernel, or its slower oracle."),
     ] = "kernel",
+    timing: Annotated[
+        Literal["exact_stop", "overlap", "s_curve"],
+        typer.Option(help="How moves are timed: stops at every block, rounded corners, or quintic ramps."),
+    ] = "exact_stop",
+    deviation_mm: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1, max=20.0, help="How far the die tip may leave its way, for overlap. [default: 2]"
+        ),
+    ] = None,
+    order: Annotated[
+        Literal["as_given", "shortest_time", "thesis", "middle_out"] | None,
+        typer.Option(help="In which order fasteners are done. [default: the file's, else as_given]"),
+    ] = None,
+    order_file: Annotated[
+        Path | None, typer.Option(metavar="ORDER.json", help="Rules of the order. [default: none]")
+    ] = None,
+    approach_order: Annotated[
+        int | None,
+        typer.Option(min=0, max=100, help="Intermediate points between fasteners. [default: straight]"),
+    ] = None,
+    approach_clear_mm: Annotated[
+        float | None, typer.Option(min=0, max=1000, help="Their height at the fasteners. [default: 0]")
+    ] = None,
+    approach_max_mm: Annotated[
+        float | None, typer.Option(min=0, max=1000, help="Their height in the middle. [default: as there]")
+    ] = None,
     escapes: Annotated[
         Path | None,
         typer.Option(
             help="Escapes of this panel family: an input where the file is there; what is found is added."
         ),
     ] = None,
+    previous: Annotated[
+        Path | None, typer.Option(help="An earlier program of this panel: what still holds of it is kept.")
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar and no summary.")] = False,
 ) -> None:
     """Plan a panel's program, verify it and write it."""
     from service.commands import plan as command
+    from service.commands.measured import Measured
 
-    clean = _or_exit(
+    clean = or_exit(
         lambda: command.plan(
             panel,
             out or Path(f"{panel.stem}.nc.json"),
             report_file=report,
             machine=machine,
             dies=_names(die),
+            processes=processes,
+            measured=Measured(measured, envelope_mm, residual_mm),
             seed=seed,
             workers=workers or os.cpu_count() or 1,
             checker=checker,
+            timing=_timing(timing, deviation_mm),
+            order_file=order_file,
+            objective=order,
+            approach=command.approach_of(approach_order, approach_clear_mm, approach_max_mm),
             escapes_file=escapes,
+            previous_file=previous,
             quiet=quiet,
         )
     )
@@ -108,19 +147,109 @@ def plan(
         raise typer.Exit(REJECTED)
 
 
+def _timing(law: Literal["exact_stop", "overlap", "s_curve"], deviation_mm: float | None) -> "Timing":
+    """The timing asked for. Exits where only another law deviates."""
+    from service.timing import Timing
+
+    if deviation_mm is not None and law != "overlap":
+        typer.echo(f"--deviation-mm: {deviation_mm:g} is for --timing overlap; {law} has none.", err=True)
+        raise typer.Exit(UNUSABLE)
+    return Timing.of(law, deviation_mm)
+
+
+@app.command()
+def diff(
+    old: Annotated[Path, typer.Argument(metavar="OLD.json", show_default=False)],
+    new: Annotated[Path, typer.Argument(metavar="NEW.json", show_default=False)],
+) -> None:
+    """Tell what one program does otherwise than another, and why; 1 where they differ."""
+    from service.commands import diff as command
+
+    if or_exit(lambda: command.diff(old, new)):
+        raise typer.Exit(REJECTED)
+
+
 @app.command()
 def verify(
-    program: Annotated[Path, typer.Argument(metavar="PROGRAM.json", show_default=False)],
+    program: Annotated[
+        Path,
+        typer.Argument(
+            metavar="PROGRAM", show_default=False, help="A program (.json), or its text in a dialect."
+        ),
+    ],
     panel: PanelFile,
+    machine: Annotated[
+        str | None,
+        typer.Option(help="Id or definition file. [default: what the program names; of a text riveter]"),
+    ] = None,
+    processes: ProcessesOption = None,
+    measured: MeasuredOption = None,
+    envelope_mm: EnvelopeOption = None,
+    residual_mm: ResidualOption = None,
+    dialect: Annotated[
+        Literal["sinumerik840d", "fanuc30i", "apt", "csv", "ndjson"] | None,
+        typer.Option(help="Whose text it is. [default: told by the file's name and first line]"),
+    ] = None,
+    left_out: Annotated[
+        list[str] | None,
+        typer.Option(help="Id of a fastener that a text need not install; repeat it or use commas."),
+    ] = None,
+    out: AnswerOption = None,
+) -> None:
+    """Verify a program, or a controller's text, against its panel, however it was made or edited."""
+    from service.commands import verify as command
+    from service.commands.measured import Measured
+
+    found = or_exit(
+        lambda: command.verify(
+            program,
+            panel,
+            machine=machine,
+            processes=processes,
+            measured=Measured(measured, envelope_mm, residual_mm),
+            dialect=dialect,
+            left_out=_names(left_out) or [],
+            out=out,
+        )
+    )
+    if not found:
+        raise typer.Exit(REJECTED)
+
+
+@app.command()
+def cycle(
+    programs: Annotated[list[Path], typer.Argument(metavar="PROGRAM.json...", show_default=False)],
+    law: Annotated[
+        Literal["program", "thesis", "time_optimal"],
+        typer.Option(
+            help="The program's own times; or its way by the motion law of the thesis; or the least time of "
+            "its links without jerk limits, a bound."
+        ),
+    ] = "program",
+    speed: Annotated[float, typer.Option(min=0.001, max=100, help="Of the tool point, thesis [m/s].")] = 2.2,
+    acceleration: Annotated[
+        float, typer.Option(min=0.001, max=1000, help="Of the tool point, thesis [m/s2].")
+    ] = 14.0,
+    deviation_mm: Annotated[
+        float, typer.Option(min=0.01, max=100, help="By which corners may be missed, time_optimal.")
+    ] = 2.0,
     machine: Annotated[
         str | None, typer.Option(help="Id or definition file. [default: the machine the program names]")
     ] = None,
+    out: AnswerOption = None,
+    quiet: QuietOption = False,
 ) -> None:
-    """Verify a program against its panel, independently of how it was planned."""
-    from service.commands import verify as command
+    """Print the cycle time of programs and its parts: per fastener, per task, per part."""
+    from service.commands import cycle as command
+    from service.cycle import MotionLaw, ThesisLaw
+    from service.link_bound import TimeOptimalLaw
 
-    if not _or_exit(lambda: command.verify(program, panel, machine=machine)):
-        raise typer.Exit(REJECTED)
+    chosen: MotionLaw | None = None
+    if law == "thesis":
+        chosen = ThesisLaw(speed, acceleration)
+    elif law == "time_optimal":
+        chosen = TimeOptimalLaw(deviation_mm / 1e3)
+    or_exit(lambda: command.cycle(programs, law=chosen, machine=machine, out=out, quiet=quiet))
 
 
 @app.command()
@@ -144,8 +273,8 @@ def post(
     from service.commands import post as command
 
     if check is None:
-        _or_exit(lambda: command.post(program, dialect, out))
-    elif not _or_exit(lambda: command.check(program, check, dialect)):
+        or_exit(lambda: command.post(program, dialect, out))
+    elif not or_exit(lambda: command.check(program, check, dialect)):
         raise typer.Exit(REJECTED)
 
 
@@ -154,6 +283,7 @@ def check(
     panel: PanelFile,
     machine: MachineOption = "riveter",
     die: DieOption = None,
+    processes: ProcessesOption = None,
     remedies: Annotated[
         int, typer.Option(min=0, help="For how many fasteners out of reach remedies are searched.")
     ] = 10,
@@ -164,11 +294,12 @@ def check(
     """Find which fasteners of a panel the machine reaches, at which die angles, and why not the others."""
     from service.commands import check as command
 
-    every = _or_exit(
+    every = or_exit(
         lambda: command.check(
             panel,
             machine=machine,
             dies=_names(die),
+            processes=processes,
             remedies=remedies,
             out=out,
             whole=whole,
@@ -179,129 +310,13 @@ def check(
         raise typer.Exit(REJECTED)
 
 
-@app.command()
-def gaa(request: RequestFile, out: AnswerOption = None, quiet: QuietOption = False) -> None:
-    """Find which rivets a tool reaches among obstacles in the plane, and what blocks the others."""
-    from service.commands import gaa as command
-
-    if not _or_exit(lambda: command.gaa(request, out, quiet=quiet)):
-        raise typer.Exit(REJECTED)
-
-
-@app.command()
-def gav(request: RequestFile, out: AnswerOption = None, quiet: QuietOption = False) -> None:
-    """Find which rivets a tool reaches among obstacles in space, and what blocks the others."""
-    from service.commands import gaa as command
-
-    if not _or_exit(lambda: command.gav(request, out, quiet=quiet)):
-        raise typer.Exit(REJECTED)
-
-
-@app.command()
-def free_volume(
-    panel: PanelFile,
-    fastener: Annotated[str, typer.Option(help="Id of the fastener the section is at.")],
-    machine: MachineOption = "riveter",
-    die: Annotated[str | None, typer.Option(help="The tool: id of a die.")] = None,
-    box: Annotated[tuple[float, float, float] | None, typer.Option(help="The tool: x, y, z [mm].")] = None,
-    cylinder: Annotated[
-        tuple[float, float] | None, typer.Option(help="The tool: diameter and length [mm].")
-    ] = None,
-    angle: Annotated[float, typer.Option(help="Angle C of the tool about its axis [deg].")] = 90.0,
-    axis: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(help="Tool axis in the panel's frame, outwards. [default: the fastener's normal]"),
-    ] = None,
-    x: Annotated[tuple[float, float], typer.Option(help="The section along the machine's X [mm].")] = (
-        -300,
-        300,
-    ),
-    y: Annotated[tuple[float, float], typer.Option(help="The section across it [mm].")] = (-200, 200),
-    depth: Annotated[tuple[float, float], typer.Option(help="The section from the skin inwards [mm].")] = (
-        0,
-        300,
-    ),
-    clearance: Annotated[
-        float | None, typer.Option(help="Clearance of every part [mm]. [default: the machine's in transit]")
-    ] = None,
-    out: Annotated[Path | None, typer.Option(help="The mesh. [default: PANEL.glb in this directory]")] = None,
-    report: Annotated[Path | None, typer.Option(help="The figures as JSON. [default: none]")] = None,
-    quiet: QuietOption = False,
-) -> None:
-    """Find where a tool can be in a section of a panel at one orientation (GAV), as volumes and as a mesh."""
-    from service.commands import free_volume as command
-
-    def find() -> bool:
-        section = {"x_mm": [*map(float, x)], "y_mm": [*map(float, y)], "depth_mm": [*map(float, depth)]}
-        wanted = {
-            "tool": command.chosen_tool(die, box, cylinder),
-            "fastener_id": fastener,
-            "angle_deg": angle,
-            "axis": None if axis is None else list(axis),
-            "section": section,
-            "clearance_mm": clearance,
-        }
-        target = out or Path(f"{panel.stem}.glb")
-        return command.find(panel, machine, wanted, mesh_file=target, report_file=report, quiet=quiet)
-
-    if not _or_exit(find):
-        raise typer.Exit(REJECTED)
-
-
-@app.command()
-def pattern(
-    request: RequestFile,
-    out: AnswerOption = None,
-    csv: Annotated[Path | None, typer.Option(help="The rivets as a table. [default: none]")] = None,
-    quiet: QuietOption = False,
-) -> None:
-    """Size the rivets of sheets, a lap joint, stringers or a patch, and place them on a surface."""
-    from service.commands import pattern as command
-
-    if not _or_exit(lambda: command.pattern(request, out=out, points=csv, quiet=quiet)):
-        raise typer.Exit(REJECTED)
-
-
-@app.command()
-def calibrate(request: RequestFile, out: AnswerOption = None, quiet: QuietOption = False) -> None:
-    """Find where a workpiece stands in a machine, from points measured in both frames."""
-    from service.commands import pattern as command
-
-    if not _or_exit(lambda: command.calibrate(request, out=out, quiet=quiet)):
-        raise typer.Exit(REJECTED)
-
-
-@app.command()
-def serve(
-    host: Annotated[str, typer.Option(help="A loopback address.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 takes a free one.")] = 8000,
-    max_fasteners: Annotated[
-        int, typer.Option(min=1, help="Fasteners of a panel that is done while the client waits.")
-    ] = 120,
-    workers: Annotated[int, typer.Option(min=1, max=64, help="Requests that are computed at once.")] = 1,
-) -> None:
-    """Serve the HTTP API until interrupted."""
-    from service.commands import serve as command
-    from service.settings import Settings
-
-    settings = Settings(max_sync_fasteners=max_fasteners, workers=workers)
-    _or_exit(lambda: command.serve(host, port, settings))
+cli_tools.register(app)
+cli_service.register(app)
+cli_keys.register(app)
 
 
 def _names(die: list[str] | None) -> list[str] | None:
     return [name.strip() for names in die for name in names.split(",")] if die else None
-
-
-def _or_exit(work: Callable[[], T]) -> T:
-    """Return what `work` returns; where the input cannot be used, print a line for each problem and leave."""
-    from service.commands.reading import Unusable
-
-    try:
-        return work()
-    except Unusable as unusable:
-        for line in unusable.lines:
-            typer.echo(line, err=True)
-        raise typer.Exit(UNUSABLE) from None
 
 
 def _make_streams_usable() -> None:

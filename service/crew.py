@@ -12,16 +12,19 @@ import multiprocessing
 import pickle
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from threading import Condition, Thread
 from types import TracebackType
+from typing import Protocol
 
+from planners.approach import Approach
 from planners.detector import never
 from planners.escapes import Escape, merged
 from robots.cell import Cell, Checker
 from robots.machine import Machine
 from robots.panel import Panel
+from robots.previous import KeptPass
 from robots.riveter_search import Heuristics, planner_settings
 from service.die_pass import Cancelled, Run, plan_run
 from service.parentage import leave_with_parent
@@ -39,11 +42,23 @@ _CONTEXT = multiprocessing.get_context(
 
 @dataclass(frozen=True)
 class RunTask:
-    """A run of fasteners (indices in the panel) to be planned with one die."""
+    """A run of fasteners (indices in the panel) to be planned with one die; kept: of a previous program."""
 
     die_id: str
     indices: tuple[int, ...]
     before: int | None
+    kept: KeptPass = field(default_factory=KeptPass)
+
+
+class RunMemo(Protocol):
+    """Remembers runs that were planned before, in this process or another; can be pickled."""
+
+    def run(self, inputs: tuple[object, ...], panel: Panel, plan: Callable[[], Run]) -> Run:
+        """Return what `plan` returned earlier for the same inputs, or what it returns now.
+
+        inputs: the content of everything that `plan` depends on, beside the code. panel: what it plans for.
+        """
+        ...
 
 
 class CrewLost(Exception):
@@ -60,9 +75,12 @@ class Workplace:
         heuristics: Heuristics,
         seed: int,
         checker: Checker = "kernel",
+        approach: Approach | None = None,
+        memo: RunMemo | None = None,
+        deviation: float | None = None,
     ) -> None:
         self._machine, self._panel, self._heuristics, self._seed = machine, panel, heuristics, seed
-        self._checker = checker
+        self._checker, self._approach, self._memo, self._deviation = checker, approach, memo, deviation
         self._cells: dict[str, Cell] = {}
 
     def cell(self, die_id: str) -> Cell:
@@ -79,7 +97,19 @@ class Workplace:
     def plan(self, task: RunTask, escapes: Sequence[Escape], stop: Callable[[], bool] = never) -> Run:
         """Plan one run that begins with `escapes`."""
         cell, heuristics, seed = self.cell(task.die_id), self._heuristics, self._seed
-        return plan_run(cell, self._panel, task.indices, task.before, heuristics, seed, stop, escapes)
+        indices, before, kept = task.indices, task.before, task.kept
+        approach, deviation = self._approach, self._deviation
+
+        def planned() -> Run:
+            return plan_run(
+                cell, self._panel, indices, before, heuristics, seed, stop, escapes, kept, approach, deviation
+            )
+
+        if self._memo is None:
+            return planned()
+        machine, options = self._machine, (heuristics, seed, self._checker, approach, deviation)
+        files = (machine.sha256, machine.dies.sha256, machine.processes.sha256, self._panel.sha256)
+        return self._memo.run((files, options, task, tuple(escapes)), self._panel, planned)
 
 
 Job = tuple[int, RunTask, tuple[Escape, ...]]
@@ -122,15 +152,19 @@ class Crew:
         workers: int,
         stop: Callable[[], bool] = never,
         checker: Checker = "kernel",
+        approach: Approach | None = None,
+        memo: RunMemo | None = None,
+        deviation: float | None = None,
     ) -> None:
-        self.here = Workplace(machine, panel, heuristics, seed, checker)
+        settings = machine, panel, heuristics, seed, checker, approach, memo, deviation
+        self.here = Workplace(*settings)
         self._machine, self._stop = machine, stop
         self._changed = Condition()
         self._board: _Board | None = None
         self._lost = self._closed = False
         self.helpers = [_Helper() for _ in range(min(workers, EXCHANGE) - 1)]
         if self.helpers:
-            everything = pickle.dumps((machine, panel, heuristics, seed, checker))
+            everything = pickle.dumps(settings)
             for helper in self.helpers:
                 Thread(target=self._feed, args=(helper, everything), name="crew", daemon=True).start()
 

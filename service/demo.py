@@ -71,7 +71,10 @@ def running_service() -> Iterator[str]:
     with (
         (OUT / "service.log").open("wb") as log,
         subprocess.Popen(
-            [*_RIVETPLAN, "serve", "--port", "0"], stdout=subprocess.PIPE, stderr=log, text=True
+            [*_RIVETPLAN, "serve", "--port", "0", "--data", str(OUT / "jobs")],
+            stdout=subprocess.PIPE,
+            stderr=log,
+            text=True,
         ) as service,
     ):
         try:

@@ -15,6 +15,8 @@ from service.errors import KINDS, MEDIA_TYPE, Problem
 from service.free_volume_schemas import FreeVolumeAnswer
 from service.pattern_schemas import RivetPattern
 from service.schemas import Motion
+from service.security.scopes import needed_scope
+from service.verification_schemas import Verification
 
 _OTHERS = (
     ("Accessibility", PanelAccessibility),
@@ -22,10 +24,21 @@ _OTHERS = (
     ("AccessibilityVolumes", AccessibilityVolumes),
     ("FreeVolume", FreeVolumeAnswer),
     ("RivetPattern", RivetPattern),
+    ("Verification", Verification),
 )
 
 _REF = "#/components/schemas/{model}"
 _READER: JsonSchemaMode = "serialization"  # what a client reads, not what we would accept
+
+#: How a caller says who it is. The scopes of an operation are listed beside it.
+_KEY = {
+    "type": "http",
+    "scheme": "bearer",
+    "bearerFormat": "rvp_<id>_<secret>, or a JWT",
+    "description": "An API key made with `rivetplan keys add`, or a token of the plant's identity provider. "
+    "Scopes: `read` looks, `plan` computes and changes, `admin` may both and what is everybody's. A service "
+    "without keys answers this computer only, and asks for none.",
+}
 
 Responses = dict[int | str, dict[str, Any]]
 
@@ -58,6 +71,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
             schema = TypeAdapter[Any](kind).json_schema(ref_template=_REF, mode=_READER)
             schemas |= schema.pop("$defs", {}) | {name: schema}
         _describe_panels(schemas)
+        _describe_security(document)
         app.openapi_schema = document
     return app.openapi_schema
 
@@ -66,8 +80,21 @@ def _describe_panels(schemas: dict[str, Any]) -> None:
     """Say in the requests what a panel is; it is checked by the panel's own reader, not with the request."""
     schema = PanelDefinition.model_json_schema(ref_template=_REF)
     schemas |= schema.pop("$defs", {}) | {"Panel": schema}
-    for request in ("ProgramRequest", "MotionRequest", "AccessibilityRequest", "FreeVolumeRequest"):
+    requests = ("Program", "Motion", "Accessibility", "FreeVolume", "Verification")
+    for request in (f"{name}Request" for name in requests):
         schemas[request]["properties"]["panel"] = {"$ref": _REF.format(model="Panel")}
+
+
+def _describe_security(document: dict[str, Any]) -> None:
+    """Say of every operation which scope it needs and how the gate before it refuses."""
+    document["components"]["securitySchemes"] = {"key": _KEY}
+    for path, item in document["paths"].items():
+        for method, operation in item.items():
+            scope = needed_scope(f"{method.upper()} {path}")
+            operation["security"] = [] if scope is None else [{"key": [scope.value]}]
+            refusals = (403, 421, 429, 503) if scope is None else (401, 403, 421, 429, 503)
+            for status in refusals:
+                operation["responses"].setdefault(str(status), _problem_response(status))
 
 
 def _problem_response(status: int) -> dict[str, Any]:
@@ -76,7 +103,7 @@ def _problem_response(status: int) -> dict[str, Any]:
         "description": " or ".join(f"`{code}`" for code in codes),
         "content": {MEDIA_TYPE: {"schema": {"$ref": _REF.format(model="Problem")}}},
     }
-    if status in (405, 429):
-        header = {405: "Allow", 429: "Retry-After"}[status]
+    if status in (401, 405, 429):
+        header = {401: "WWW-Authenticate", 405: "Allow", 429: "Retry-After"}[status]
         response["headers"] = {header: {"schema": {"type": "string"}}}
     return response

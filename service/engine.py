@@ -12,6 +12,7 @@ from service.free_volume_schemas import FreeVolumeRequest
 from service.pattern_schemas import RivetPatternRequest
 from service.schemas import MotionRequest, ProgramRequest, Strict
 from service.settings import Settings
+from service.verification_schemas import VerificationRequest
 from service.worker import Worker, WorkerLost
 
 _LOG = logging.getLogger("rivetplan.service")
@@ -64,6 +65,10 @@ class Engine(Protocol):
         """Return the same as a mesh."""
         ...
 
+    async def verification(self, request: VerificationRequest) -> Answer:
+        """Return what the verifier finds of a program."""
+        ...
+
 
 class ProcessEngine:
     """An engine of `settings.workers` child processes; a process that dies or takes too long is replaced."""
@@ -113,6 +118,9 @@ class ProcessEngine:
 
     async def free_volume_mesh(self, request: FreeVolumeRequest) -> Answer:
         return await self._compute("free_volume_mesh", request)
+
+    async def verification(self, request: VerificationRequest) -> Answer:
+        return await self._compute("verification", request)
 
     async def _compute(self, task: str, request: Strict) -> Answer:
         worker = await self._turn()

@@ -12,6 +12,9 @@ from robots.machine import Machine
 from robots.machine_file import load_machine, machine_ids
 from robots.panel import Panel
 from robots.panel_file import load_panel
+from robots.process_file import load_processes
+from robots.processes import ProcessLibrary
+from service.process_inputs import unset_fasteners
 from service.strict_json import pointer
 
 T = TypeVar("T")
@@ -37,25 +40,35 @@ class Places:
     panel: str = "/panel"
     machine: str = "/machine"
     dies: str = "/dies"
+    processes: str = "/processes"
 
 
 def gather(
-    panel: Mapping[str, Any], machine: str | Path, dies: Sequence[str] | None, places: Places
+    panel: Mapping[str, Any],
+    machine: str | Path,
+    dies: Sequence[str] | None,
+    places: Places,
+    processes: Path | None = None,
 ) -> Inputs:
-    """Load the three inputs.
+    """Load the inputs.
 
     panel: the parsed panel document. machine: an id, or the path of a definition file; a client's text is
-    always an id. dies: ids, or None for every die of the machine's library.
-    Raises InvalidInput with the problems of all three, each pointer starting at its place.
+    always an id. dies: ids, or None for every die of the machine's library. processes: a file of process
+    templates, or None for those that come with rivetplan.
+    Raises InvalidInput with the problems of all of them, each pointer starting at its place.
     """
     problems: list[InputProblem] = []
-    the_machine = _collected(problems, places.machine, lambda: _machine(machine))
-    processes = None if the_machine is None else the_machine.processes.ids
-    the_panel = _collected(problems, places.panel, lambda: load_panel(panel, processes))
+    library = _collected(problems, places.processes, lambda: load_processes(processes)) if processes else None
+    the_machine = _collected(problems, places.machine, lambda: _machine(machine, library))
+    known = None if the_machine is None or problems else the_machine.processes.ids
+    the_panel = _collected(problems, places.panel, lambda: load_panel(panel, known))
     the_dies: tuple[Die, ...] = ()
     if the_machine is not None:
         the_dies = _dies(problems, the_machine, dies, places.dies)
         problems += _unknown_dies(the_machine.dies.ids, panel, places.panel)
+    if the_machine is not None and the_panel is not None and not problems:
+        unset = unset_fasteners(the_panel, the_machine, panel)
+        problems += [replace(each, pointer=places.panel + each.pointer) for each in unset]
     if problems or the_panel is None or the_machine is None:
         raise InvalidInput(problems)
     return Inputs(the_panel, the_machine, the_dies, panel)
@@ -83,10 +96,10 @@ def _collected(problems: list[InputProblem], place: str, load: Callable[[], T]) 
         return None
 
 
-def _machine(machine: str | Path) -> Machine:
+def _machine(machine: str | Path, processes: ProcessLibrary | None) -> Machine:
     if isinstance(machine, str) and machine not in machine_ids():
         raise UnknownName("machine", machine, machine_ids())
-    return load_machine(machine)
+    return load_machine(machine, processes=processes)
 
 
 def _dies(

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from robots.cell import Cell
-from robots.links import Link, LinkFinder, is_cancelled
+from robots.links import Link, LinkFinder, is_cancelled, one_after_the_other, turned_round
 from robots.panel import Panel
-from robots.stations import Refusal, explained
-from service.die_pass import Cancelled, Run, Stop, refusal_of
+from robots.stations import Refusal, Station, explained
+from service.die_pass import Cancelled, Detours, Run, Stop, refusal_of
 
 HOME = "home"
 """Where every pass begins and ends."""
@@ -65,54 +65,96 @@ class Itinerary:
                 for refusal in self.refusals[index]
             ]
 
-    def join(self, die_id: str, runs: Iterable[Run], finder: LinkFinder, stop: Callable[[], bool]) -> None:
+    def join(
+        self,
+        die_id: str,
+        runs: Iterable[Run],
+        finder: LinkFinder,
+        detours: Detours,
+        stop: Callable[[], bool],
+    ) -> None:
         """Make one pass of `runs`: link each run to the one before, the first and the last one to home.
 
-        A first stop of a run that cannot be reached is refused, and the next one is tried; likewise a last
-        stop from which home cannot be reached, and the one before it.
+        A first stop of a run that cannot be reached, by a detour neither, is refused, and the next one is
+        tried; likewise a last stop from which home cannot be reached, and the one before it.
         """
-        stops: list[Stop] = []
+        route = _Route(self, finder, detours, stop)
         for run in runs:
             self.failures += run.failures
             for index, refusal in run.refusals.items():
                 self.refuse(index, refusal)
             broken = True  # a run begins without a link, and so does what follows a stop that is left out
             for each in run.stops:
-                if broken:
-                    each = replace(each, link=self._link_to(each, stops, finder, stop))
-                broken = each.link is None
-                if not broken:
-                    stops.append(each)
-        way_home = self._way_home(stops, finder, stop)
+                if broken or each.link is None:
+                    broken = not route.leads_to(each)
+                else:
+                    route.stops.append(each)
+        way_home = route.way_home()
         if way_home is not None:
-            self.passes.append(DiePass(die_id, tuple(stops), way_home))
+            self.passes.append(DiePass(die_id, tuple(route.stops), way_home))
 
-    def _link_to(
-        self, goal: Stop, stops: list[Stop], finder: LinkFinder, stop: Callable[[], bool]
-    ) -> Link | None:
-        """The link to `goal` from the last of `stops` or from home; None, and `goal` refused, without one."""
-        if stops:
-            return self._found(goal, finder.between(stops[-1].station, goal.station, stop))
-        return self._found(goal, finder.from_home(goal.station, stop))
 
-    def _way_home(self, stops: list[Stop], finder: LinkFinder, stop: Callable[[], bool]) -> Link | None:
-        """From the last stop to home; stops without a way home are taken off. None if none is left."""
-        while stops:
-            link = self._found(stops[-1], finder.to_home(stops[-1].station, stop))
-            if link is not None:
-                return link
-            stops.pop()
+class _Route:
+    """The stops of one pass so far, all with links; what it cannot reach it refuses in the itinerary."""
+
+    def __init__(
+        self, itinerary: Itinerary, finder: LinkFinder, detours: Detours, stop: Callable[[], bool]
+    ) -> None:
+        self._itinerary, self._finder, self._detours, self._stop = itinerary, finder, detours, stop
+        self.stops: list[Stop] = []
+
+    def leads_to(self, goal: Stop) -> bool:
+        """Go on to `goal`, by a detour where the usual way is not found, or refuse it; return whether it ends
+        at that very station.
+        """
+        link = self._way_to(goal.station)
+        found = replace(goal, link=link) if link.ok else self._around(goal)
+        if found is None:
+            self._refuse(goal, link)
+            return False
+        self.stops.append(found)
+        return found.station is goal.station
+
+    def way_home(self) -> Link | None:
+        """From the last stop to home; stops without a way home take a detour or are taken off. None if none
+        is left.
+        """
+        while self.stops:
+            last = self.stops.pop()
+            link = last.way_home or self._unless_cancelled(self._finder.to_home(last.station, self._stop))
+            found = last if link.ok else self._around(last)
+            if found is not None:
+                self.stops.append(found)
+                return found.way_home or link
+            self._refuse(last, link)
         return None
 
-    def _found(self, at: Stop, link: Link) -> Link | None:
-        """The link if it was found; else None, with the fastener of `at` refused for want of it."""
-        if link.ok:
-            return link
+    def _way_to(self, station: Station) -> Link:
+        """From the last stop, or from home."""
+        if self.stops:
+            return self._unless_cancelled(self._finder.between(self.stops[-1].station, station, self._stop))
+        return self._unless_cancelled(self._finder.from_home(station, self._stop))
+
+    def _around(self, goal: Stop) -> Stop | None:
+        """`goal` at a station that has a way home, reached from the last stop or past home; None without."""
+        found = goal if goal.way_home else self._detours.to(goal.index, self._stop)
+        if found is None or found.way_home is None:
+            return None
+        if found is not goal and self.stops:
+            link = self._way_to(found.station)
+            if link.ok:
+                return replace(found, link=link)
+        away, way_in = self.way_home(), turned_round(found.way_home)
+        return replace(found, link=way_in if away is None else one_after_the_other(away, way_in))
+
+    def _refuse(self, at: Stop, link: Link) -> None:
+        self._itinerary.refuse(at.index, refusal_of(link, at.station))
+        self._itinerary.failures.append(link)
+
+    def _unless_cancelled(self, link: Link) -> Link:
         if is_cancelled(link):
             raise Cancelled
-        self.refuse(at.index, refusal_of(link, at.station))
-        self.failures.append(link)
-        return None
+        return link
 
 
 def _linked(stop: Stop) -> Link:

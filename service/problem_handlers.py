@@ -13,6 +13,7 @@ from starlette.routing import compile_path
 
 from robots.errors import InputProblem, InvalidInput
 from service.errors import MEDIA_TYPE, Problem, ProblemError, of_invalid_input, problem
+from service.security.headers import complete
 from service.strict_json import pointer
 from service.strict_route import ClientGone
 from service.worker import internal_error
@@ -44,19 +45,17 @@ def install(app: FastAPI) -> None:
 
 async def _on_problem(request: Request, error: Exception) -> Response:
     assert isinstance(error, ProblemError)
-    return _respond(request, error.problem, error.headers)
+    return respond(request, error.problem, error.headers)
 
 
 async def _on_invalid_input(request: Request, error: Exception) -> Response:
     assert isinstance(error, InvalidInput)
-    return _respond(request, of_invalid_input(error))
+    return respond(request, of_invalid_input(error))
 
 
 async def _on_validation_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    return _respond(
-        request, of_invalid_input(InvalidInput(list(_field_problems(error.errors(), error.body))))
-    )
+    return respond(request, of_invalid_input(InvalidInput(list(_field_problems(error.errors(), error.body)))))
 
 
 async def _on_http_error(request: Request, error: Exception) -> Response:
@@ -64,15 +63,15 @@ async def _on_http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     if error.status_code == 404:
         remedy = "See /openapi.json for the addresses there are."
-        return _respond(request, problem("not_found", "No resource has this address.", remedy=remedy))
+        return respond(request, problem("not_found", "No resource has this address.", remedy=remedy))
     if error.status_code == 405:
         allowed = ", ".join(sorted(_methods_at(request, error)))
         detail = f"{request.method} is not possible here."
-        return _respond(
+        return respond(
             request, problem("method_not_allowed", detail, remedy=f"Use {allowed}."), {"Allow": allowed}
         )
     _LOG.error("the framework ended a request with status %d", error.status_code)
-    return _respond(request, internal_error())
+    return respond(request, internal_error())
 
 
 async def _on_client_gone(_request: Request, _error: Exception) -> Response:
@@ -83,14 +82,17 @@ async def _on_fault(request: Request, error: Exception) -> Response:
     """Answer a fault of ours; the server logs its traceback, and here the trace_id that goes with it."""
     found = _traced(request, internal_error())
     _LOG.error("%s in request %s", type(error).__name__, found.trace_id)
-    return _respond(request, found)
+    return respond(request, found)
 
 
-def _respond(request: Request, found: Problem, headers: Mapping[str, str] | None = None) -> Response:
+def respond(request: Request, found: Problem, headers: Mapping[str, str] | None = None) -> Response:
+    """Return a problem as the answer to a request."""
     body = _traced(request, found).model_dump_json(exclude_none=True)
-    return Response(
+    response = Response(
         body, found.status, {**(headers or {}), "Cache-Control": "no-store"}, media_type=MEDIA_TYPE
     )
+    complete(response.headers)  # the answer to a fault of ours is made outside of the gate
+    return response
 
 
 def _traced(request: Request, found: Problem) -> Problem:

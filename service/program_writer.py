@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from planners.approach import Approach
+from robots.approach_record import approach_input, approach_record
+from robots.cell import Cell
 from robots.dies import Die
 from robots.escape_file import FamilyEscapes
 from robots.machine import Machine
@@ -17,7 +20,6 @@ from robots.nc import (
     NcBreakdown,
     NcClearancePolicy,
     NcCounts,
-    NcDatums,
     NcDie,
     NcFastener,
     NcHeader,
@@ -28,21 +30,25 @@ from robots.nc import (
     NcPairClearance,
     NcPlanner,
     NcPolicy,
-    NcProcess,
     NcProgram,
     NcReason,
     NcSearchRow,
-    NcStep,
     NcSummary,
-    Row4,
 )
+from robots.nc_cycle import NcCycle, cycle_of
+from robots.nc_datums import NcDatums, Row4
 from robots.nc_json import program_id, rounded
-from robots.panel import Fastener, Panel
+from robots.nc_process import NcProcess
+from robots.outline import Outline
+from robots.panel import Fastener, Panel, Stack
+from robots.process_record import process_record
 from robots.stations import Refusal, Station
 from service import __version__
 from service.block_writer import BlockWriter
 from service.itinerary import Itinerary
+from service.order import OrderRules
 from service.reasons import reason_for
+from service.timing import Timing
 
 _MM = 1e3
 
@@ -52,46 +58,69 @@ def write_program(
     machine: Machine,
     dies: Sequence[Die],
     itinerary: Itinerary,
-    seed: int,
-    escapes: FamilyEscapes | None = None,
+    header: NcHeader,
+    timing: Timing | None = None,
+    cells: Callable[[str], Cell] | None = None,
+    approach: Approach | None = None,
 ) -> NcProgram:
     """The program without clearances and certificate, with the numbers a reader of its file will see.
 
-    escapes: those that were known when it was planned.
+    timing: exact stops without it. cells: gives the cell with a die; without it no corner is rounded.
+    approach: what the links were planned with.
     """
+    timing = timing or Timing()
     used = [each.die_id for each in itinerary.passes]
-    writer = BlockWriter(machine, panel, used[0] if used else dies[0].id)
+    writer = BlockWriter(machine, panel, used[0] if used else dies[0].id, timing, cells)
     writer.write(itinerary)
     fasteners = _fasteners(panel, itinerary, writer)
-    inputs = _inputs(panel, machine, dies, escapes)
-    planner = NcPlanner("rivetplan", __version__, seed)
     program = rounded(
         NcProgram(
-            header=NcHeader(program_id(inputs, planner), panel.title, planner, inputs),
-            machine=_machine(machine),
-            datums=_datums(panel),
-            policy=_policy(panel, machine),
+            header=header,
+            machine=machine_record(machine),
+            datums=datums_record(panel),
+            policy=replace(policy_record(panel, machine, timing), approach=approach_record(approach)),
             dies=tuple(NcDie(die.id, die.axisymmetric) for die in dies),
             processes=_processes(panel, machine),
             blocks=(),
             fasteners=fasteners,
-            summary=_summary(itinerary, writer, fasteners),
+            summary=_summary(itinerary, writer, fasteners, approach),
         )
     )
     return replace(program, blocks=tuple(writer.blocks))  # which are timed as they are rounded
 
 
-def _inputs(panel: Panel, machine: Machine, dies: Sequence[Die], escapes: FamilyEscapes | None) -> NcInputs:
-    return NcInputs(
+def program_header(
+    panel: Panel,
+    machine: Machine,
+    dies: Sequence[Die],
+    seed: int,
+    escapes: FamilyEscapes | None = None,
+    previous: Outline | None = None,
+    order: OrderRules | None = None,
+    approach: Approach | None = None,
+    timing: Timing | None = None,
+) -> NcHeader:
+    """What the program is made from; escapes, previous: those that were known when it was planned; order:
+    what was asked of the order of fasteners; approach: how to go from fastener to fastener; timing: how moves
+    are timed, exact stops without it.
+    """
+    inputs = NcInputs(
         machine=NcInput(machine.id, machine.sha256),
         panel=NcInput(panel.id, panel.sha256),
         dies=NcInput(" ".join(die.id for die in dies), machine.dies.sha256),
         process=NcInput(machine.processes.id, machine.processes.sha256),
         escapes=None if escapes is None else NcInput(escapes.id, escapes.sha256),
+        previous=None if previous is None else NcInput(previous.header.program_id, previous.sha256),
+        order=None if order is None else NcInput(order.objective, order.sha256),
+        approach=approach_input(approach),
+        timing=None if timing is None else timing.as_input,
     )
+    planner = NcPlanner("rivetplan", __version__, seed)
+    return NcHeader(program_id(inputs, planner), panel.title, planner, inputs)
 
 
-def _machine(machine: Machine) -> NcMachine:
+def machine_record(machine: Machine) -> NcMachine:
+    """The machine as a program has it."""
     axes = []
     for axis in machine.axes:
         prismatic = axis.kind == "prismatic"
@@ -101,18 +130,25 @@ def _machine(machine: Machine) -> NcMachine:
     return NcMachine(machine.id, tuple(axes))
 
 
-def _datums(panel: Panel) -> NcDatums:
+def datums_record(panel: Panel) -> NcDatums:
+    """Where the panel is mounted, and how it was measured there."""
     mounting = np.array(panel.mounting)
     mounting[:3, 3] *= _MM
     first, second, third, last = (_row(*values) for values in mounting.tolist())
-    return NcDatums(panel_frame_mm=(first, second, third, last), machine_datum_mm=(0.0, 0.0, 0.0))
+    return NcDatums(
+        panel_frame_mm=(first, second, third, last),
+        machine_datum_mm=(0.0, 0.0, 0.0),
+        measured_fit=panel.measured_fit,
+        deviation_envelope_mm=panel.deviation_envelope_mm,
+    )
 
 
 def _row(a: float, b: float, c: float, d: float) -> Row4:
     return a, b, c, d
 
 
-def _policy(panel: Panel, machine: Machine) -> NcPolicy:
+def policy_record(panel: Panel, machine: Machine, timing: Timing) -> NcPolicy:
+    """The clearances of machine and panel, and how moves are timed."""
     policy = machine.policy
     pairs = tuple(NcPairClearance(a, b, _MM * value) for (a, b), value in sorted(policy.pairs.items()))
     clearance = NcClearancePolicy(
@@ -123,18 +159,14 @@ def _policy(panel: Panel, machine: Machine) -> NcPolicy:
         contact_depth_mm=_MM * policy.contact_depth,
         sag_mm=_MM * panel.sag,
     )
-    return NcPolicy(clearance, exact_stop_at_events=True, timing_law="exact_stop")
+    deviation_mm = _MM * timing.deviation if timing.law == "overlap" else None
+    return NcPolicy(clearance, True, timing.law, deviation_mm)
 
 
 def _processes(panel: Panel, machine: Machine) -> tuple[NcProcess, ...]:
     used = sorted({fastener.process for fastener in panel.fasteners})
     return tuple(
-        NcProcess(
-            id=name,
-            steps=tuple(NcStep(str(step.code), step.duration) for step in machine.processes[name].steps),
-            retract_mm=_MM * machine.retract_margin,
-        )
-        for name in used
+        process_record(machine.processes[name], panel.fasteners, machine.retract_margin) for name in used
     )
 
 
@@ -144,16 +176,10 @@ def _fasteners(panel: Panel, itinerary: Itinerary, writer: BlockWriter) -> tuple
     for index, (fastener, stack) in enumerate(zip(panel.fasteners, panel.stacks, strict=True)):
         station = stations.get(index)
         status, reason = _outcome(fastener, station, itinerary.refusals.get(index, []))
-        x, y, z = (_MM * fastener.p).tolist()
-        n_x, n_y, n_z = fastener.n.tolist()
+        record = fastener_record(fastener, stack)
         written.append(
-            NcFastener(
-                id=fastener.id,
-                p_mm=(x, y, z),
-                n=(n_x, n_y, n_z),
-                diameter_mm=_MM * fastener.diameter,
-                grip_mm=_MM * fastener.grip,
-                stack=stack.parts,
+            replace(
+                record,
                 status=status,
                 reason=reason,
                 die_id=station.die_id if station else None,
@@ -164,13 +190,31 @@ def _fasteners(panel: Panel, itinerary: Itinerary, writer: BlockWriter) -> tuple
     return tuple(written)
 
 
+def fastener_record(fastener: Fastener, stack: Stack) -> NcFastener:
+    """A fastener as a program has it, before it is known what becomes of it."""
+    x, y, z = (_MM * fastener.p).tolist()
+    n_x, n_y, n_z = fastener.n.tolist()
+    return NcFastener(
+        id=fastener.id,
+        p_mm=(x, y, z),
+        n=(n_x, n_y, n_z),
+        diameter_mm=_MM * fastener.diameter,
+        grip_mm=_MM * fastener.grip,
+        stack=stack.parts,
+        status="installed",
+        code=fastener.code,
+    )
+
+
 def _outcome(
     fastener: Fastener, station: Station | None, refusals: Sequence[Refusal]
 ) -> tuple[FastenerStatus, NcReason | None]:
     return ("installed", None) if station else reason_for(fastener, refusals)
 
 
-def _summary(itinerary: Itinerary, writer: BlockWriter, fasteners: Sequence[NcFastener]) -> NcSummary:
+def _summary(
+    itinerary: Itinerary, writer: BlockWriter, fasteners: Sequence[NcFastener], approach: Approach | None
+) -> NcSummary:
     statuses = [fastener.status for fastener in fasteners]
     spent = {kind: microseconds / 1e6 for kind, microseconds in writer.spent_us.items()}
     origins = [link.result.origin.partition(":")[0] for link in itinerary.links]
@@ -186,8 +230,12 @@ def _summary(itinerary: Itinerary, writer: BlockWriter, fasteners: Sequence[NcFa
         breakdown_s=NcBreakdown(
             **{kind: spent.get(kind, 0.0) for kind in ("process", "move", "approach", "escape", "die_change")}
         ),
-        links=NcLinkCounts(**{o: origins.count(o) for o in ("direct", "planned", "reused", "fallback")}),
+        links=NcLinkCounts(
+            **{o: origins.count(o) for o in ("direct", "planned", "reused", "fallback")},
+            approach=None if approach is None else origins.count("approach"),
+        ),
         search=_search_rows(itinerary),
+        cycle=NcCycle.of(cycle) if (cycle := cycle_of(writer.blocks)) else None,
     )
 
 

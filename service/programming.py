@@ -1,34 +1,42 @@
 """Programming a panel: from panel, machine and dies to a timed and verified NC program. No HTTP here.
 
 Order: the dies are used one after the other, each in one pass over the fasteners still open, in the order
-they are given. So an offset die that only some places need costs one die change, not one at every such place.
+they are given or in the one that `ordering` finds. So an offset die that only some places need costs one die
+change, not one at every such place.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
 
+from planners.approach import Approach
 from planners.detector import never
 from planners.escapes import Escape
 from planners.result import PlanResult
-from robots.cell import Cell, Checker
+from robots.cell import Blockage, Cell, Checker
 from robots.dies import Die
 from robots.errors import InputProblem, InvalidInput
 from robots.escape_file import FamilyEscapes
-from robots.links import LinkFinder
+from robots.garbage import collection_put_off
 from robots.machine import Axis, Machine
 from robots.nc import NcProgram
+from robots.outline import Between, Outline
 from robots.panel import Panel
+from robots.previous import KeptPass, RecallingFinder
 from robots.riveter_search import Heuristics
 from robots.verify import certified
-from service.crew import Crew, RunTask
-from service.die_pass import Cancelled, Run
+from service.change import Change
+from service.crew import Crew, RunMemo, RunTask, Workplace
+from service.die_pass import Cancelled, Detours, Run
 from service.itinerary import Itinerary
-from service.program_writer import write_program
+from service.order import OrderRules
+from service.ordering import Ordering, Round, in_order, is_better
+from service.program_writer import program_header, write_program
+from service.timing import Timing
 
 RUN_LENGTH = 64
 """[fasteners] planned in one piece: long enough for escapes to pay, short enough to share out between
@@ -76,6 +84,7 @@ class ProgrammedPanel:
 Progress = Callable[[ProgressEvent], None]
 
 
+@collection_put_off()
 def program_panel(
     panel: Panel,
     machine: Machine,
@@ -88,12 +97,22 @@ def program_panel(
     heuristics: Heuristics = "heuristics_and_escapes",
     checker: Checker = "kernel",
     escapes: FamilyEscapes | None = None,
+    timing: Timing | None = None,
+    previous: Outline | None = None,
+    order: OrderRules | None = None,
+    approach: Approach | None = None,
+    memo: RunMemo | None = None,
 ) -> ProgrammedPanel:
     """Plan, time and verify the program of `panel`.
 
     dies: in the order they are tried, at least one. seed: same input and seed, same bytes, on any number of
     `workers`. progress: told how far each phase is. checker: who certifies links, see `Cell`. escapes: of
-    earlier programs on this machine, tried first; an input like the others, named in the header. Raises
+    earlier programs on this machine, tried first; an input like the others, named in the header. timing: how
+    moves are timed; exact stops without it. previous: a program of which all that still holds is kept; named
+    in the header, too. order: what is asked of the order of fasteners; where the given one may be better than
+    the one that is found, both are planned, and the better program is the answer. approach: how to go from
+    fastener to fastener where that is free; straight without it. memo: finds runs again that were
+    planned before; it changes no byte. Raises
     `die_pass.Cancelled` when `stop` says so, InvalidInput where the machine's home pose is in collision with
     the panel, ValueError without a die.
     """
@@ -101,13 +120,46 @@ def program_panel(
         raise ValueError("a program needs at least one die")
     statistics = Statistics()
     tell = progress or (lambda _: None)
-    with statistics.phase("plan"):
-        known = escapes or FamilyEscapes(panel.id, machine, {})
-        itinerary, found = _plan(panel, machine, dies, seed, workers, tell, stop, heuristics, checker, known)
+    known = escapes or FamilyEscapes(panel.id, machine, {})
+    header = program_header(panel, machine, dies, seed, escapes, previous, order, approach, timing)
+    candidates: list[list[Round] | None] = [None]
+    if order is not None:
+        with statistics.phase("order"):
+            workplace = Workplace(machine, panel, heuristics, seed, checker)
+            candidates = Ordering(panel, dies, order, workplace.cell).candidates()
+    best: tuple[NcProgram, Itinerary, dict[str, list[Escape]]] | None = None
+    for rounds in candidates:
+        _unless_cancelled(stop)
+        change = None if previous is None else Change(previous, header, timing)
+        with statistics.phase("plan"):
+            itinerary, found, cells = _plan(
+                panel,
+                machine,
+                dies,
+                rounds,
+                seed,
+                workers,
+                tell,
+                stop,
+                heuristics,
+                checker,
+                known,
+                change,
+                approach,
+                memo,
+                timing,
+            )
+        _unless_cancelled(stop)
+        with statistics.phase("write"):
+            written = write_program(panel, machine, dies, itinerary, header, timing, cells, approach)
+            if change is not None:
+                written = change.told(written)
+        if best is None or is_better(written, best[0]):
+            best = written, itinerary, found
+    if best is None:
+        raise ValueError("there is no order to plan")
+    program, itinerary, found = best
     statistics.links = tuple((leaves, leads, link.result) for leaves, leads, link in itinerary.named_links())
-    _unless_cancelled(stop)
-    with statistics.phase("write"):
-        program = write_program(panel, machine, dies, itinerary, seed, escapes)
     _unless_cancelled(stop)
     with statistics.phase("verify"):
         tell(ProgressEvent("verify", 0, len(program.blocks)))
@@ -126,6 +178,7 @@ def _plan(
     panel: Panel,
     machine: Machine,
     dies: Sequence[Die],
+    rounds: Sequence[Round] | None,
     seed: int,
     workers: int,
     tell: Progress,
@@ -133,44 +186,73 @@ def _plan(
     heuristics: Heuristics,
     checker: Checker,
     known: FamilyEscapes,
-) -> tuple[Itinerary, dict[str, list[Escape]]]:
-    """The itinerary, and for each die the escapes found, in the order of the runs."""
+    change: Change | None,
+    approach: Approach | None,
+    memo: RunMemo | None,
+    timing: Timing | None,
+) -> tuple[Itinerary, dict[str, list[Escape]], Callable[[str], Cell]]:
+    """The itinerary, for each die the escapes found, in the order of the runs, and what gives the cells."""
     itinerary, found = Itinerary(), dict[str, list[Escape]]()
-    workers = min(workers, math.ceil(len(panel.fasteners) / RUN_LENGTH))
-    with Crew(machine, panel, heuristics, seed, workers, stop, checker) as crew:
-        for die in dies:
+    unknown = len(panel.fasteners) if change is None else change.unknown(panel)
+    workers = min(workers, max(1, math.ceil(unknown / RUN_LENGTH)))
+    deviation = None if timing is None else timing.rounds_by
+    with Crew(machine, panel, heuristics, seed, workers, stop, checker, approach, memo, deviation) as crew:
+        kept = {die.id: KeptPass() if change is None else change.kept(crew.here.cell(die.id)) for die in dies}
+        turns = _turns(panel, dies, kept, itinerary) if rounds is None else in_order(rounds, panel, itinerary)
+        for die, indices in turns:
             cell = crew.here.cell(die.id)
             require_free_home(cell)
-            tasks = _tasks(panel, die, itinerary.installed)
+            tasks = _tasks(panel, die, indices, kept[die.id])
             escapes = known.of_die.get(die.id, ())
             runs = _counted(crew.plan(tasks, escapes), tasks, f"plan {die.id}", tell)
             finder, mine = (
-                LinkFinder(cell, heuristics, seed, escapes, polish=True),
+                RecallingFinder(cell, heuristics, seed, escapes, kept[die.id], approach, deviation),
                 found.setdefault(die.id, []),
             )
-            itinerary.join(die.id, _noted(runs, mine), finder, stop)
+            itinerary.join(die.id, _noted(runs, mine, finder.blocked), finder, Detours(cell, finder), stop)
             mine += finder.found
+            if change is not None:
+                change.found(die.id, finder.blocked)
         itinerary.explain(panel, crew.here.cell)
-    return itinerary, found
+    return itinerary, found, crew.here.cell
 
 
-def _noted(runs: Iterator[Run], escapes: list[Escape]) -> Iterator[Run]:
-    """The runs, while what they found is added to `escapes`."""
+def _noted(runs: Iterator[Run], escapes: list[Escape], blocked: dict[Between, Blockage]) -> Iterator[Run]:
+    """The runs, while what they found is added to `escapes` and `blocked`."""
     for run in runs:
         escapes += run.escapes
+        blocked.update(run.blocked)
         yield run
 
 
-def _tasks(panel: Panel, die: Die, installed: frozenset[int]) -> list[RunTask]:
-    """The fasteners still open that this die may do, in runs."""
-    still_open = tuple(
-        index
-        for index, fastener in enumerate(panel.fasteners)
-        if index not in installed and fastener.die in (None, die.id)
-    )
-    starts = range(0, len(still_open), RUN_LENGTH)
+def _turns(
+    panel: Panel, dies: Sequence[Die], kept: Mapping[str, KeptPass], itinerary: Itinerary
+) -> Iterator[tuple[Die, tuple[int, ...]]]:
+    """The dies in turn, each with the fasteners still open that it may do; once more those dies that were not
+    asked about a fastener because its station with another one was kept, and then was of no use.
+    """
+    keeps = {name: die_id for die_id, each in reversed(list(kept.items())) for name in each.stations}
+    for again in (False, True):
+        for die in dies:
+            installed = itinerary.installed
+            still_open = tuple(
+                index
+                for index, fastener in enumerate(panel.fasteners)
+                if index not in installed
+                and fastener.die in (None, die.id)
+                and (keeps.get(fastener.id, die.id) != die.id) == again
+            )
+            if still_open or not again:
+                yield die, still_open
+
+
+def _tasks(panel: Panel, die: Die, indices: tuple[int, ...], kept: KeptPass) -> list[RunTask]:
+    """The fasteners `indices` of the panel, in runs, each with what is kept for it."""
+    runs = [indices[at : at + RUN_LENGTH] for at in range(0, len(indices), RUN_LENGTH)]
+    before = [None, *(run[-1] for run in runs)]
     return [
-        RunTask(die.id, still_open[at : at + RUN_LENGTH], still_open[at - 1] if at else None) for at in starts
+        RunTask(die.id, run, last, kept.of([panel.fasteners[index].id for index in run]))
+        for run, last in zip(runs, before, strict=False)
     ]
 
 

@@ -1,27 +1,22 @@
 """What clients send and get, as pydantic models: strict types, no unknown fields, finite numbers."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, BeforeValidator, Discriminator, Field, Tag, model_validator
 
+from robots.nc_blend import DEVIATION_MM, LEAST_DEVIATION_MM, MOST_DEVIATION_MM, TimingLaw
+from service.approach_schemas import ApproachChoice
+from service.as_built_schemas import MeasuredPanel
+from service.order_schemas import OrderRequest
+from service.schema_base import Name as Name
+from service.schema_base import Strict as Strict
+from service.schema_base import whole as whole
 
-def whole(value: object) -> object:
-    """Let 3.0 be the integer 3, as JSON Schema does."""
-    return int(value) if isinstance(value, float) and value.is_integer() else value
-
-
-Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f\x7f]+$")]
 Seed = Annotated[int, Field(ge=0, le=2**53 - 1), BeforeValidator(whole)]
 PanelDocument = Annotated[
     dict[str, Any],
     Field(description="a panel, exactly as in a panel file; openapi/examples/crossing.json is one"),
 ]
-
-
-class Strict(BaseModel):
-    """Base of every request: nothing is converted, nothing is ignored."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, frozen=True)
 
 
 class AxesPosition(Strict):
@@ -63,6 +58,28 @@ End = Annotated[
 ]
 
 
+class TimingChoice(Strict):
+    """How the moves of a program are timed."""
+
+    law: TimingLaw = Field(
+        default="exact_stop",
+        description="`exact_stop`: jerk-limited from rest to rest; `overlap`: corners within a link are "
+        "rounded, certified; `s_curve`: quintic ramps from rest to rest",
+    )
+    deviation_mm: float | None = Field(
+        default=None,
+        ge=LEAST_DEVIATION_MM,
+        le=MOST_DEVIATION_MM,
+        description=f"for `overlap`: how far the die tip may leave its way; {DEVIATION_MM:g} without it",
+    )
+
+    @model_validator(mode="after")
+    def _only_overlap_deviates(self) -> Self:
+        if self.deviation_mm is not None and self.law != "overlap":
+            raise ValueError(f"deviation_mm is of the law overlap; {self.law} has none")
+        return self
+
+
 class ProgramRequest(Strict):
     """A panel's NC program is wanted."""
 
@@ -75,6 +92,19 @@ class ProgramRequest(Strict):
         description="ids of the dies that may be used; all without it",
     )
     seed: Seed = Field(default=0, description="same input and seed, same bytes")
+    previous_program: dict[str, Any] | None = Field(
+        default=None,
+        description="an earlier program of this panel, as it was answered: its stations and links that still "
+        "hold are kept, and `changes` of the new program tells what became of the others",
+    )
+    timing: TimingChoice = Field(default=TimingChoice(), description="how moves are timed; exact stops")
+    order: OrderRequest = Field(default=OrderRequest(), description="of the fasteners; as given without it")
+    approach: ApproachChoice | None = Field(
+        default=None, description="the way from one fastener to the next; straight without it"
+    )
+    measured: MeasuredPanel | None = Field(
+        default=None, description="where the panel was found; where its file mounts it without"
+    )
 
 
 class MotionRequest(Strict):

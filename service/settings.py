@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from service.security.settings import SecuritySettings
 from service.strict_json import JsonLimits
 
 
@@ -16,7 +17,9 @@ class Settings:
         the client waits: some seconds.
     max_sync_volume_pairs: pairs of a panel piece and a part of the tool in a free volume that is found while
         the client waits: some twenty seconds; the section that is taken unless another is asked has a third.
+    max_sync_blocks: blocks of a program that is verified while the client waits: some seconds.
     json: size and depth of a request body.
+    security: who may ask what, and how much.
     workers: processes that compute, each with its own native libraries; one leaves the second core of a small
         machine to the event loop.
     max_waiting: requests that may wait for a worker; the next one is told to come back later.
@@ -28,7 +31,9 @@ class Settings:
     max_sync_fasteners: int = 120
     max_sync_access_checks: int = 200_000
     max_sync_volume_pairs: int = 1_000
+    max_sync_blocks: int = 5_000
     json: JsonLimits = field(default_factory=JsonLimits)
+    security: SecuritySettings = field(default_factory=SecuritySettings)
     workers: int = 1
     max_waiting: int = 8
     retry_after_s: int = 5

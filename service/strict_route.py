@@ -10,6 +10,8 @@ from starlette.requests import ClientDisconnect
 
 from robots.errors import InputProblem, InvalidInput
 from service.errors import ProblemError, problem
+from service.security.authentication import check_scope
+from service.security.scopes import needed_scope
 from service.settings import Settings
 from service.strict_json import parse
 
@@ -23,7 +25,9 @@ class ClientGone(Exception):
 
 
 class StrictRoute(APIRoute):
-    """Parses JSON bodies strictly, refuses unknown query parameters, stops when the client goes away."""
+    """Refuses callers without the scope and unknown query parameters, parses JSON bodies strictly, stops when
+    the client goes away.
+    """
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Wrap FastAPI's handler."""
@@ -32,6 +36,7 @@ class StrictRoute(APIRoute):
         known = sorted(field.alias for field in self.dependant.query_params)
 
         async def strictly(request: Request) -> Response:
+            check_scope(request.state.caller, needed_scope(f"{request.method} {self.path_format}"))
             _refuse_unknown_query(request, known)
             return await _while_connected(request, handler(await _parsed(request) if has_body else request))
 

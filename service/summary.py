@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from planners.result import PlanResult
-from robots.nc import Certificate, NcFastener, NcProgram
+from robots.nc import Certificate, NcFastener, NcProgram, NcSummary
 from robots.nc_json import program_sha256
+from service.change_report import figures, tables
 from service.programming import Statistics
 
 Row = tuple[str, str]
@@ -27,6 +28,7 @@ def program_rows(program: NcProgram) -> list[Row]:
         "inaccessible": counts.inaccessible,
         "excluded": counts.excluded,
     }
+    over = links.approach or 0
     breakdown = summary.breakdown_s
     times = {
         "process": breakdown.process,
@@ -41,14 +43,29 @@ def program_rows(program: NcProgram) -> list[Row]:
         *((f"  {name}", f"{number}") for name, number in refused.items() if number),
         ("cycle time", _duration(summary.cycle_time_s)),
         *((f"  {name}", _share(seconds, summary.cycle_time_s)) for name, seconds in times.items()),
-        ("links", f"{links.direct + links.planned + links.reused + links.fallback}"),
+        *_cycle_rows(summary),
+        ("links", f"{links.direct + over + links.planned + links.reused + links.fallback}"),
         ("  direct", f"{links.direct}"),
+        *([] if links.approach is None else [("  by the approach order", f"{over}")]),
         ("  planned", f"{links.planned}"),
         ("  by an earlier escape", f"{links.reused}"),
         ("  by the fallback", f"{links.fallback}"),
+        *((("  kept", f"{program.changes.kept_links}"),) if program.changes else ()),
         ("blocks", f"{len(program.blocks)}"),
         *(certificate_rows(program.verification) if program.verification else ()),
         ("sha256", program_sha256(program)),
+    ]
+
+
+def _cycle_rows(summary: NcSummary) -> list[Row]:
+    """Rivets per minute: by the cycle of the thesis (5.39), and over the whole program."""
+    cycle = summary.cycle
+    if cycle is None or not summary.cycle_time_s:
+        return []
+    overall = 60.0 * cycle.fasteners / summary.cycle_time_s
+    return [
+        ("rivets per minute", f"{cycle.per_minute:.2f} ({cycle.cycle_s:.2f} s from one to the next)"),
+        ("  over the whole program", f"{overall:.2f}"),
     ]
 
 
@@ -84,6 +101,10 @@ def report(program: NcProgram, statistics: Statistics) -> str:
         "\n## Search\n",
         _markdown(("count", "sum over all links"), search),
     ]
+    if program.changes is not None:
+        parts += ["\n## Changes\n", _markdown(("figure", "value"), figures(program.changes))]
+        for table in tables(program.changes):
+            parts += [f"\n### Changes: {table.title}\n", _markdown(table.head, table.rows)]
     refused = refusals(program)
     if refused:
         parts += ["\n## Fasteners that are not installed\n", _markdown(("fastener", "reason"), refused)]

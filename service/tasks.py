@@ -1,39 +1,75 @@
 """What a worker process computes: requests in, finished bytes out. Imports the native libraries."""
 
 import hashlib
+import json
+from typing import Any
 
 from pydantic import BaseModel
 
 from planners.arrays import Array
 from robots.nc import NcAxes
 from robots.nc_json import program_sha256, to_json
+from robots.outline import Outline, read_outline
 from service.access_schemas import AccessibilityRequest
 from service.answers import Answer
 from service.area_answer import areas_of, volumes_of
 from service.area_inputs import AccessInputs, access_inputs
 from service.area_schemas import AreaRequest, VolumeRequest
+from service.as_built import corrected
 from service.canonical import canonical_json
+from service.crew import RunMemo
 from service.errors import ProblemError, problem
 from service.free_volume import FoundVolume, find_free_volume
 from service.free_volume_schemas import DieChoice, FreeVolumeRequest
 from service.inputs import Places, gather, placed
 from service.motion import plan_motion
 from service.motion_answer import motion_json
+from service.order import order_rules
 from service.panel_check import check_panel
 from service.pattern_schemas import RivetPatternRequest
-from service.programming import program_panel
+from service.programming import Progress, program_panel
 from service.rivet_pattern import rivet_pattern as designed
 from service.schemas import AtAxes, AtFastener, MotionRequest, ProgramRequest
 from service.settings import Settings
+from service.timing import Timing
+from service.verification_schemas import VerificationRequest
+from service.verification_task import verified
 
 
-def program(request: ProgramRequest, settings: Settings) -> Answer:
-    """Return the program of a panel that is within the synchronous budget."""
+def program(
+    request: ProgramRequest,
+    settings: Settings,
+    memo: RunMemo | None = None,
+    progress: Progress | None = None,
+) -> Answer:
+    """Return the program of a panel that is within the synchronous budget; memo, progress: of a job."""
     inputs = gather(request.panel, request.machine, request.dies, Places())
     _check_budget(len(inputs.panel.fasteners), settings.max_sync_fasteners, "programmed", "rivetplan plan")
+    with placed("/measured"):
+        inputs = corrected(inputs, request.measured)
+    previous = _previous(request.previous_program)
+    with placed("/order"):
+        order = order_rules(request.order, inputs.panel)
     with placed("/panel"):
-        programmed = program_panel(inputs.panel, inputs.machine, inputs.dies, seed=request.seed)
+        timing = Timing.of(request.timing.law, request.timing.deviation_mm)
+        programmed = program_panel(
+            inputs.panel,
+            inputs.machine,
+            inputs.dies,
+            seed=request.seed,
+            timing=timing,
+            previous=previous,
+            order=order,
+            approach=None if request.approach is None else request.approach.build(),
+            memo=memo,
+            progress=progress,
+        )
     return Answer(to_json(programmed.program), program_sha256(programmed.program))
+
+
+def _previous(document: dict[str, Any] | None) -> Outline | None:
+    with placed("/previous_program"):
+        return None if document is None else read_outline(json.dumps(document).encode())
 
 
 def motion(request: MotionRequest, _settings: Settings) -> Answer:
@@ -129,6 +165,12 @@ def _free_volume(request: FreeVolumeRequest, settings: Settings) -> FoundVolume:
     return find_free_volume(inputs, request, settings.max_sync_volume_pairs)
 
 
+def verification(request: VerificationRequest, settings: Settings) -> Answer:
+    """Return what the verifier finds of a program."""
+    body = canonical_json(verified(request, settings.max_sync_blocks))
+    return Answer(body, hashlib.sha256(body).hexdigest())
+
+
 TASKS = {
     "program": program,
     "motion": motion,
@@ -138,4 +180,5 @@ TASKS = {
     "accessibility_volumes": accessibility_volumes,
     "free_volume": free_volume,
     "free_volume_mesh": free_volume_mesh,
+    "verification": verification,
 }

@@ -79,10 +79,11 @@ def _serve(connection: Connection, module: str) -> None:
             task, arguments = connection.recv()
         except EOFError:
             return
-        connection.send(_outcome(tasks[task], arguments))
+        connection.send(outcome_of(tasks[task], *arguments))
 
 
-def _outcome(task: Callable[..., object], arguments: tuple[object, ...]) -> object:
+def outcome_of(task: Callable[..., object], *arguments: object) -> object:
+    """Return what a task returns, or the Problem it ends with."""
     try:
         return task(*arguments)
     except ProblemError as error:

@@ -10,6 +10,7 @@ swept      what a solid can meet between two poses, and why that proves a part o
 within     the gap questions of `robots.scene`, between two poses
 motion     the motion bound of `robots.motion_bound`, and how much a motion bends
 pairs      the questions that wait, and which of them are not proved
+limits     axis limits of configurations and segments
 edge       the edge test of `robots.certified_edge`
 space      `KernelSpace`, the Space of one link
 stations   `KernelStations`, the checks of a station

@@ -14,18 +14,16 @@ from planners.arrays import Array
 from planners.compiled import compiled_on_views
 from planners.native import PATH, POSE
 from robots.certified_edge import RESOLUTION
-from robots.kernel.layout import BOX_CENTER, LOWER, NEAR_RADIUS, NORMALS, OFFSETS, POSE_T, UPPER, Ints
-from robots.kernel.motion import motion_of_pairs
+from robots.kernel.layout import BOX_CENTER, NEAR_RADIUS, NORMALS, OFFSETS, POSE_T, Ints
+from robots.kernel.limits import cut_at_limits, move_back, within_limits
+from robots.kernel.motion import motion_of_pairs, slack_of_pairs
 from robots.kernel.pairs import ALL, item, keep_near, pair_of
 from robots.kernel.plain import flag, number
 from robots.kernel.poses import place_links, place_solid
 from robots.kernel.within import NOWHERE
 from robots.kernel.work import LEVELS, MOST, views_of, work_of
 
-AT_LIMIT = 1e-12
-"""As `Machine.within_limits`: so much beyond an axis limit is rounding."""
-
-ADVANCE, STATION = PATH + 1, PATH + 2
+ADVANCE, STATION, CURVE = PATH + 1, PATH + 2, PATH + 3
 """What `ask` can be asked besides what a search asks, POSE and PATH."""
 
 POLICY = -1.0
@@ -128,10 +126,19 @@ def _put_items(cell: Any, work: Any, needed: Array, pairs: int, tip: bool) -> in
 
 @compiled_on_views
 def certified_part(
-    cell: Any, work: Any, anchors: Array, needed: Array, a: Array, b: Array, whole: bool, n_meant: int
+    cell: Any,
+    work: Any,
+    anchors: Array,
+    radius: float,
+    needed: Array,
+    a: Array,
+    b: Array,
+    whole: bool,
+    n_meant: int,
 ) -> float:
     """How much of the edge from `a` to `b` is certified, in [0, 1]; see `robots.certified_edge`.
 
+    radius: how near [m] the die tip is to one of the anchors where the clearances near a fastener hold.
     needed: clearances (K, 2) [m]. whole: only all of the edge is of use. n_meant: number of the pieces in
     `work.meant` that the die tip may touch. A part is proved as `swept` tells.
     """
@@ -150,13 +157,13 @@ def certified_part(
         half = (high - low) / 2.0
         middle = low + half
         place(cell, work, a, b, middle, between)
-        within = cell.machine[NEAR_RADIUS] - half * motion[cell.tip_pair]
+        within = radius - half * motion[cell.tip_pair]
         column = needed_column(work.frames, between, anchors, within)
         # A step into an obstacle mostly fails at its end: ask there, too, before halving.
         last = end if whole and high == 1.0 else number(NOWHERE)
-        there = needed_column(work.frames, between, anchors, cell.machine[NEAR_RADIUS])
+        there = needed_column(work.frames, between, anchors, radius)
         if last >= 0:
-            there = max(there, needed_column(work.frames, last, anchors, cell.machine[NEAR_RADIUS]))
+            there = max(there, needed_column(work.frames, last, anchors, radius))
         n = _not_proved(
             cell,
             work,
@@ -204,17 +211,6 @@ def _largest(motion: Array, waiting: Ints, row: int, n: int) -> float:
     for j in range(n):
         largest = max(largest, motion[pair_of(waiting[row, j])])
     return largest
-
-
-@compiled_on_views
-def _within_limits(machine: Array, path: Array, rows: int) -> bool:
-    """Whether the first `rows` configurations of the path are within limits; what is no number is not."""
-    for row in range(rows):
-        for i in range(7):
-            q = path[row, i]
-            if not (machine[LOWER + i] - AT_LIMIT <= q <= machine[UPPER + i] + AT_LIMIT):
-                return False
-    return True
 
 
 @compiled_on_views
@@ -282,7 +278,8 @@ def _process_is_free(
     if _tip_is_inside(cell, work, n_meant):
         return False
     whole = flag(True)
-    return certified_part(cell, work, anchors, near, opened, clamped, whole, n_meant) == 1.0
+    radius = cell.machine[NEAR_RADIUS]
+    return certified_part(cell, work, anchors, radius, near, opened, clamped, whole, n_meant) == 1.0
 
 
 @compiled_on_views
@@ -298,7 +295,7 @@ def _first_free(cell: Any, work: Any, anchors: Array, path: Array, n_meant: int)
         for i in range(len(path) // 2):
             opened, clamped = path[2 * i], path[2 * i + 1]
             if (
-                _within_limits(cell.machine, path[2 * i : 2 * i + 2], number(2))
+                within_limits(cell.machine, path[2 * i : 2 * i + 2], number(2))
                 and _pose_is_free(cell, work, anchors, cell.needs, opened) == roomy
                 and _process_is_free(cell, work, anchors, near, opened, clamped, n_meant)
             ):
@@ -307,22 +304,32 @@ def _first_free(cell: Any, work: Any, anchors: Array, path: Array, n_meant: int)
 
 
 @compiled_on_views
-def _cut_at_limits(machine: Array, a: Array, b: Array) -> None:
-    """Move `b` back on the segment from `a`, which is within limits, to where the segment leaves them."""
-    share = 1.0
-    for i in range(7):
-        step = b[i] - a[i]
-        room = machine[UPPER + i] - a[i] if step > 0.0 else a[i] - machine[LOWER + i]
-        if step != 0.0:
-            share = min(share, max(0.0, room / abs(step)))
-    if share < 1.0:
-        _move_back(a, b, share)
+def _curve_is_free(cell: Any, work: Any, anchors: Array, path: Array, rows: int) -> float:
+    """1.0 where a curve along the first `rows` configurations is certified, else 0.0; the next row is how far
+    each axis may be from the chord between two of them.
+
+    Every pair keeps what the policy asks for and what the axes' distance from the chord can move it; the die
+    counts as near a fastener only where it is wherever the axes are within that distance.
+    """
+    if not within_limits(cell.machine, path, rows):
+        return 0.0
+    slack, whole, no_piece, needs, needed = path[rows], flag(True), number(0), cell.needs, work.asked
+    for i in range(rows - 1):
+        slack_of_pairs(cell.machine, cell.solids, cell.pairs, path[i], path[i + 1], slack, work.motion)
+        for k in range(len(needed)):
+            needed[k, 0], needed[k, 1] = needs[k, 0] + work.motion[k], needs[k, 1] + work.motion[k]
+        radius = cell.machine[NEAR_RADIUS] - work.motion[cell.tip_pair]
+        part = certified_part(cell, work, anchors, radius, needed, path[i], path[i + 1], whole, no_piece)
+        if part < 1.0:
+            return 0.0
+    return 1.0
 
 
 @compiled_on_views
-def _move_back(a: Array, b: Array, share: float) -> None:
-    for i in range(7):
-        b[i] = a[i] + share * (b[i] - a[i]) if share > 0.0 else a[i]
+def _ask_all(asked: Array, clearance: float) -> None:
+    """Ask one clearance of every pair, in both columns of `asked` (K, 2)."""
+    for k in range(len(asked)):
+        asked[k, 0] = asked[k, 1] = clearance
 
 
 @compiled_on_views
@@ -342,33 +349,36 @@ def ask(
     the certified part of the edge from the first to the second, which is overwritten by what was reached.
     STATION: rows are open and clamped pose in turn; the index of the first two with a proved process move
     between them, of those with room in transit if there are any, or -1.0; `work.meant` is input, anchors do
-    not matter. clearance: asked of every pair [m], or POLICY; not for STATION.
+    not matter. CURVE: 1.0 where a curve along all rows but the last is certified, whose axes stay within the
+    values of the last row from the chords. clearance: asked of every pair [m], or POLICY; not for STATION and
+    CURVE.
     """
     cell, work = views_of(numbers, indices), work_of(work_numbers, work_indices, indices)
     rows = len(path)
     if question == STATION:
         return float(_first_free(cell, work, anchors[:0], path, work.meant[0]))
-    if not _within_limits(cell.machine, path, 1 if question == ADVANCE else rows):
+    if question == CURVE:
+        return _curve_is_free(cell, work, anchors, path, rows - 1)
+    if not within_limits(cell.machine, path, 1 if question == ADVANCE else rows):
         if question == ADVANCE:
-            _move_back(path[0], path[1], 0.0)
+            move_back(path[0], path[1], 0.0)
         return 0.0
     needed = cell.needs
     if clearance >= 0.0:
         needed = work.asked
-        for k in range(len(needed)):
-            needed[k, 0] = needed[k, 1] = clearance
+        _ask_all(needed, clearance)
     if question == POSE:
         return 1.0 if _pose_is_free(cell, work, anchors, needed, path[0]) else 0.0
     if question == ADVANCE:
-        _cut_at_limits(cell.machine, path[0], path[1])
-        if not _within_limits(cell.machine, path, rows):  # what is no number
-            _move_back(path[0], path[1], 0.0)
+        cut_at_limits(cell.machine, path[0], path[1])
+        if not within_limits(cell.machine, path, rows):  # what is no number
+            move_back(path[0], path[1], 0.0)
             return 0.0
-    part = 1.0
+    part, radius, whole, no_piece = 1.0, cell.machine[NEAR_RADIUS], question == PATH, number(0)
     for i in range(rows - 1):
-        part = certified_part(cell, work, anchors, needed, path[i], path[i + 1], question == PATH, number(0))
+        part = certified_part(cell, work, anchors, radius, needed, path[i], path[i + 1], whole, no_piece)
         if part < 1.0:
             break
     if question == ADVANCE and part < 1.0:
-        _move_back(path[0], path[1], part)
+        move_back(path[0], path[1], part)
     return part if part == 1.0 or question == ADVANCE else 0.0

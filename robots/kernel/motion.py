@@ -77,6 +77,34 @@ def motion_of_pairs(
 
 
 @compiled_on_views
+def slack_of_pairs(
+    machine: Array, solids: Array, pairs: Ints, a: Array, b: Array, slack: Array, moved: Array
+) -> None:
+    """Write how far any point of the pairs (K,) can be from where it is on the segment from `a` to `b`, when
+    every axis is at most `slack` (7,) from it [m].
+
+    L_k of the segment from one to the other, with every term at its largest; o is affine in q and so nowhere
+    farther out than at `a` or `b` and by as much as the slack moves it.
+    """
+    turns, turn_c = abs(slack[A]) + abs(slack[B]), abs(slack[C])
+    for k in range(len(pairs)):
+        s, other = pairs[k, 0], pairs[k, 1]
+        if other >= 0:
+            lift = abs(solids[s, RISES] - solids[other, RISES]) * abs(slack[W])
+            moved[k] = lift + turn_c * (solids[s, LEVER_C] + solids[other, LEVER_C])
+            continue
+        rise = solids[s, RISES] * abs(slack[W]) + abs(slack[Z])
+        straight = math.sqrt(slack[X] * slack[X] + slack[Y] * slack[Y] + rise * rise)
+        moved[k] = straight + turn_c * solids[s, LEVER_C]
+        if turns > 0.0:
+            ax, ay, az = _middle(machine, solids, s, a)
+            bx, by, bz = _middle(machine, solids, s, b)
+            farthest = math.sqrt(max(ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz)) + straight
+            moved[k] += turns * (farthest + solids[s, BALL_RADIUS])
+            moved[k] += 0.5 * abs(slack[A]) * abs(slack[B]) * farthest
+
+
+@compiled_on_views
 def _middle_against_panel(machine: Array, solids: Array, s: int, a: Array, b: Array) -> tuple[float, float]:
     """Bounds on the speed of the middle of solid `s`'s ball over the panel, and on |o|, both [m]."""
     turn_a, turn_b = b[A] - a[A], b[B] - a[B]

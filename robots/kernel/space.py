@@ -11,7 +11,7 @@ import numpy as np
 from planners.arrays import Array
 from planners.native import PATH, POSE, NativeSpace
 from robots.kernel.callable import Handle
-from robots.kernel.edge import ADVANCE, POLICY, ask
+from robots.kernel.edge import ADVANCE, CURVE, POLICY, ask
 from robots.kernel.flat import FlatCell, pack
 from robots.kernel.layout import MACHINE
 from robots.kernel.poses import die_tips
@@ -116,6 +116,18 @@ class KernelSpace:
         self._ask(self._edge, ADVANCE)
         reached: Array = self._edge[1].copy()
         return reached
+
+    def curve_is_free(self, path: Array, slack: Array) -> bool:
+        """Whether a curve along `path` (N, 7) is certified, each axis never farther than `slack` (7,) from
+        the chord between two configurations of it.
+        """
+        return self._ask(np.vstack([path, slack]), CURVE) == 1.0
+
+    def tips(self, configurations: Array) -> Array:
+        """The die tip at configurations (N, 7) as the panel sees it, (N, 3) [m]."""
+        found = np.empty((len(configurations), 3))
+        die_tips(self._numbers[:MACHINE], np.ascontiguousarray(configurations), np.empty((6, 12)), found)
+        return found
 
     def guaranteed_clearance(self, waypoints: Array) -> float:
         """A lower bound of the clearance over the whole path (N, 7) in [m]: certified, within 0.1 mm, capped

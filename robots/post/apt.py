@@ -8,7 +8,8 @@ everywhere. `SEQNO/` begins a block and `PPRINT` says why it is there: both are 
 
 `FROM/` says where the machine must stand when the program starts; the post-processor has to see to that.
 `TOOLNO/` is the die that must be in the machine, `LOADTL/` a die change, `AUXFUN/701` and on the processes,
-numbered as the header lists them, `AUXFUN/101` and on the events. Lines have at most 72 characters, those of
+numbered as the header lists them, `AUXFUN/801` and on the hand-shakes (wait for the signal, an alarm when the
+time in its name is over), `AUXFUN/101` and on the events. Lines have at most 72 characters, those of
 the header apart, which are comments.
 """
 
@@ -20,6 +21,7 @@ CALLS = Calls(
     start="TOOLNO/{k}",
     change="LOADTL/{k}",
     process="AUXFUN/7{k:02d}",
+    wait="AUXFUN/8{k:02d}",
     events={code: f"AUXFUN/{call.removeprefix('M')}" for code, call in EVENT_CALLS.items()},
 )
 

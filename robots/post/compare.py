@@ -39,6 +39,7 @@ def _of_heads(wanted: Content, found: Content) -> Iterator[Difference]:
     for what, names, others in (
         ("dies", wanted.dies, found.dies),
         ("processes", wanted.processes, found.processes),
+        ("waits", wanted.waits, found.waits),
     ):
         if names != others:
             yield Difference(

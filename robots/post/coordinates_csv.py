@@ -2,7 +2,7 @@
 
 Comma, decimal point, no quotes: names stand as `form.token` makes them. The first rows begin with "#" and say
 what the other texts' headers say. `feed_per_min` is the inverse time feed of the controllers' texts, empty at
-rest; `calls` are what the machine is told there, in order.
+rest; `calls` are what the machine is told there, in order, `wait:` before the event that waits.
 """
 
 import re
@@ -36,7 +36,8 @@ _ROW = re.compile(
 def write(content: Content) -> str:
     """The table, lines ended by line feeds."""
     head = [f"# {key} {value}" for key, value in zip(HEAD_KEYS, content.head, strict=True)]
-    head += [f"# dies {' '.join(content.dies)}", f"# processes {' '.join(content.processes)}"]
+    named = ("dies", content.dies), ("processes", content.processes), ("waits", content.waits)
+    head += [f"# {key} {' '.join(names)}".rstrip() for key, names in named]
     return "".join(f"{line}\n" for line in (*head, ",".join(COLUMNS), *map(_row, content.steps)))
 
 
@@ -44,10 +45,11 @@ def read(data: bytes) -> Content:
     """What a table says; raises `InvalidInput` naming the line that is none of it."""
     scanner = Scanner(lines_of(data))
     head = [(scanner.here.number, _named(scanner, key)) for key in HEAD_KEYS]
-    dies, processes = (tuple(_named(scanner, key).split()) for key in ("dies", "processes"))
+    dies, processes, waits = (tuple(_named(scanner, key).split()) for key in ("dies", "processes", "waits"))
     scanner.expect(",".join(COLUMNS))
     steps = tuple(_steps(scanner))
-    return Content(tuple(v for _, v in head), dies, processes, steps, tuple(line for line, _ in head))
+    lines = tuple(line for line, _ in head)
+    return Content(tuple(v for _, v in head), dies, processes, steps, lines, waits)
 
 
 def _row(step: Step) -> str:

@@ -9,15 +9,16 @@ than planned, never faster. Acceleration and jerk are the axes' own, which must 
 definition named in the header. `G61` stops exactly at the end of every block and is never taken back; `G5.1
 Q0` switches contour control off.
 
-T is the number of a die, M701 and on that of a process, as the header lists them. Every M function is
-finished (FIN) before the next block runs.
+T is the number of a die, M701 and on that of a process, M801 and on that of a hand-shake, as the header lists
+them. Every M function is finished (FIN) before the next block runs: that of a hand-shake when its signal is
+there; when the time in its name is over without, the machine stops with an alarm.
 """
 
 from robots.post.events import EVENT_CALLS
 from robots.post.form import AXES, Form
 from robots.post.grammar import Calls, Grammar
 
-CALLS = Calls(start="T{k} M59", change="T{k} M6", process="M7{k:02d}", events=EVENT_CALLS)
+CALLS = Calls(start="T{k} M59", change="T{k} M6", process="M7{k:02d}", wait="M8{k:02d}", events=EVENT_CALLS)
 
 _OFFSETS = tuple(
     f"IF[ABS[#{5041 + i}-#{5021 + i}]GT0.00005]THEN #3000=1(ZERO OFFSET IN {axis})"

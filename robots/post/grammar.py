@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from string import Formatter
 
-from robots.post.content import CHANGE, HEAD_KEYS, KINDS, PROCESS, START, Content, Step
+from robots.post.content import CHANGE, HEAD_KEYS, KINDS, PROCESS, START, WAIT, Content, Step
 from robots.post.form import AXES, NO_NAME, TOKEN, Form
 from robots.post.lines import Scanner, lines_of
 
@@ -23,22 +23,25 @@ Templates = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Calls:
-    """Lines by which the machine is told what to do; {k} is the number of the die or process, from 1.
+    """Lines by which the machine is told what to do; {k} numbers dies, processes or hand-shakes from 1.
 
     start: this die must be in the machine. change: put this die in. process: what the next events belong to.
-    events: line by event code. The machine acknowledges each before the next line runs.
+    wait: acknowledged when the hand-shake's signal is there, an alarm when its time is over. events: line by
+    event code. The machine acknowledges each before the next line runs.
     """
 
     start: str
     change: str
     process: str
+    wait: str
     events: Mapping[str, str]
 
-    def lines(self, dies: Sequence[str], processes: Sequence[str]) -> dict[str, str]:
+    def lines(self, dies: Sequence[str], processes: Sequence[str], waits: Sequence[str]) -> dict[str, str]:
         """Every call there can be, and its line."""
         named = {f"{START}:{die}": self.start.format(k=k) for k, die in enumerate(dies, 1)}
         named |= {f"{CHANGE}:{die}": self.change.format(k=k) for k, die in enumerate(dies, 1)}
         named |= {f"{PROCESS}:{name}": self.process.format(k=k) for k, name in enumerate(processes, 1)}
+        named |= {f"{WAIT}:{name}": self.wait.format(k=k) for k, name in enumerate(waits, 1)}
         return named | dict(self.events)
 
 
@@ -79,26 +82,29 @@ class Grammar:
         head = [(scanner.here.number, self._named(scanner, f"{key} ", _VALUE)) for key in HEAD_KEYS]
         dies = tuple(self._numbered(scanner, "die"))
         processes = tuple(self._numbered(scanner, "process"))
+        waits = tuple(self._numbered(scanner, "wait"))
         scanner = Scanner([line for line in scanner.rest() if not self._comment.fullmatch(line)])
         for line in self.opening:
             scanner.expect(line)
-        calls = {line: call for call, line in self.calls.lines(dies, processes).items()}
+        calls = {line: call for call, line in self.calls.lines(dies, processes, waits).items()}
         steps = tuple(self._steps(scanner, calls))
         for line in self.closing:
             scanner.expect(line)
         if scanner.here:
             scanner.fail("the program has ended before this line")
-        return Content(tuple(v for _, v in head), dies, processes, steps, tuple(line for line, _ in head))
+        lines = tuple(line for line, _ in head)
+        return Content(tuple(v for _, v in head), dies, processes, steps, lines, waits)
 
     def _lines(self, content: Content) -> Iterator[str]:
         yield from self.top
         for key, value in zip(HEAD_KEYS, content.head, strict=True):
             yield self.note.format(f"{key} {value}")
-        for what, names in (("die", content.dies), ("process", content.processes)):
+        named = ("die", content.dies), ("process", content.processes), ("wait", content.waits)
+        for what, names in named:
             for k, name in enumerate(names, 1):
                 yield self.note.format(f"{what} {k} {name}")
         yield from self.opening
-        calls = self.calls.lines(content.dies, content.processes)
+        calls = self.calls.lines(content.dies, content.processes, content.waits)
         for i, step in enumerate(content.steps):
             places = self._places(step)
             for template in self.rest if step.feed is None else self.motion:

@@ -7,11 +7,13 @@ from itertools import pairwise
 from robots.errors import InputProblem
 from robots.nc import AXIS_FIELDS, NcBlock, NcProgram
 from robots.nc_json import program_sha256
+from robots.post.content import wait_name, wait_names
 from robots.post.form import Form
 
-_LAWS = frozenset(
-    {"exact_stop"}
-)  # the texts command exact stop at every block: no other law runs as certified
+_LAWS = frozenset({"exact_stop", "overlap", "s_curve"})
+"""The texts command an exact stop at every block. That runs as certified, because straight blocks are
+certified whole, their corners rounded or not; it takes longer than a program with rounded corners says.
+"""
 _LARGEST_NUMBER = 99_999_999
 _LARGEST_VALUE = 1e6  # [mm] or [deg]; no controller takes more digits
 _MOST_NUMBERED = 99  # dies and processes: two digits
@@ -37,7 +39,7 @@ def unsayable(program: NcProgram, form: Form, events: Collection[str]) -> Iterat
     if not blocks:
         yield InputProblem("/blocks", "no_blocks", "the program has no blocks", None, "Plan it anew.")
     if policy.timing_law not in _LAWS or not policy.exact_stop_at_events:
-        message = "the text stops exactly at every block, and the program was timed otherwise"
+        message = "the text stops exactly at every block, where the program may not"
         yield InputProblem(
             "/policy", "timing_law", message, policy.timing_law, "Plan it with the law exact_stop."
         )
@@ -46,6 +48,7 @@ def unsayable(program: NcProgram, form: Form, events: Collection[str]) -> Iterat
         if len(set(ids)) != len(ids) or len(ids) > _MOST_NUMBERED:
             message = f"the text numbers {name} up to {_MOST_NUMBERED}, each once"
             yield InputProblem(f"/{name}", "not_numbered", message, len(ids), "List each id once.")
+    yield from _waits(program)
     dies, processes = {die.id for die in program.dies}, {process.id for process in program.processes}
     for i, block in enumerate(blocks):
         for field, code, message, value in _of_block(block, form, events, dies, processes):
@@ -56,6 +59,18 @@ def unsayable(program: NcProgram, form: Form, events: Collection[str]) -> Iterat
     if blocks and blocks[0].dynamics is not None:
         message = "the first block must state where the machine stands, without motion"
         yield InputProblem("/blocks/0/dynamics", "no_start", message, None, "Plan the program anew.")
+
+
+def _waits(program: NcProgram) -> Iterator[InputProblem]:
+    names = wait_names(program)
+    if len(names) > _MOST_NUMBERED:
+        message = f"the text numbers hand-shakes up to {_MOST_NUMBERED}"
+        yield InputProblem("/processes", "not_numbered", message, len(names), "Use fewer timeouts.")
+    for i, block in enumerate(program.blocks):
+        for event in block.events:
+            if event.handshake is not None and wait_name(event.handshake) not in names:
+                message, at = "no process has the hand-shake of the event", f"/blocks/{i}/events"
+                yield InputProblem(at, "unknown_handshake", message, event.code, "Plan the program anew.")
 
 
 _Flaw = tuple[str, str, str, str | int | float | None]

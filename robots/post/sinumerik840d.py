@@ -8,16 +8,19 @@ never faster. Acceleration and jerk are the axes' own (`SOFT`), which must be th
 definition named in the header. `G60 G601` stops exactly at the end of every block and is never taken back;
 the compressor is off.
 
-`H1=` hands the PLC the number of a die, `H2=` that of a process, as the header lists them; the PLC
-acknowledges every M function before the next block runs. Where the machine is not where the program starts,
-alarm 65000 ends it before anything moves.
+`H1=` hands the PLC the number of a die, `H2=` that of a process, `H3=` that of a hand-shake, as the header
+lists them; the PLC acknowledges every M function before the next block runs. It acknowledges `M62` when the
+hand-shake's signal is there, and stops the machine with an alarm when the time in its name is over without.
+Where the machine is not where the program starts, alarm 65000 ends it before anything moves.
 """
 
 from robots.post.events import EVENT_CALLS
 from robots.post.form import AXES, Form
 from robots.post.grammar import Calls, Grammar
 
-CALLS = Calls(start="H1={k} M59", change="H1={k} M60", process="H2={k} M61", events=EVENT_CALLS)
+CALLS = Calls(
+    start="H1={k} M59", change="H1={k} M60", process="H2={k} M61", wait="H3={k} M62", events=EVENT_CALLS
+)
 
 GRAMMAR = Grammar(
     form=Form(feed_digits=3, max_feed=999_999.999),

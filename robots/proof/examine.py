@@ -160,9 +160,8 @@ def _examine_stretch(
             return -1
         if items[i, 0] != before:
             before, pair = items[i, 0], pair_of(scene.solids, scene.tasks, task, task)
-            bulge, travel = motion(
-                scene.joints, scene.own, scene.solids, pair, blocks.delta[block], s1 - s0, stretch.P
-            )
+            dq, slack = blocks.delta[block], blocks.slack[block]
+            bulge, travel = motion(scene.joints, scene.own, scene.solids, pair, dq, slack, s1 - s0, stretch.P)
         n, source, at = 1, items, i
         if items[i, 1] == _WHOLE_PANEL and scene.tasks[task, OTHER] < 0.0:
             if not (travel <= _TRAVEL and bulge <= _BULGE):

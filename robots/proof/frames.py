@@ -1,4 +1,5 @@
-"""Poses along the machine's chain, and how far a straight joint motion bulges from its chord.
+"""Poses along the machine's chain, how far a straight joint motion bulges from its chord, and how far points
+move when every axis is a little off.
 
 Along a block q(s) = q0 + s dq every point of a solid has the position y(s) in the frame of the base (the
 panel, or the first tool link), with
@@ -146,3 +147,34 @@ def bulge_and_travel(
             bound += turn * (turn * arm + 2.0 * travel)
             travel += turn * arm
     return bound / 8.0, travel + math.sqrt(x * x + y * y + z * z)
+
+
+@uncounted
+def slack_travel(
+    joints: Array,
+    own: int,
+    last: int,
+    slack: Array,
+    P: Array,
+    cx: float,
+    cy: float,
+    cz: float,
+    radius: float,
+    travel: float,
+) -> float:
+    """How far points of a ball can be from where they are on a stretch when every axis is off by up to
+    `slack` (n,) [m].
+
+    The ball and P as in `bulge_and_travel`; travel: what that found, at least. One joint after the other is
+    taken to where it is, the outermost first: each moves the point by no more than a translation or its arm
+    times a turn, and the arm by what the joints beyond have moved already.
+    """
+    moved = 0.0
+    for j in range(last, (own if last >= own else 0) - 1, -1):
+        off = abs(joints[j, SIGN] * slack[int(joints[j, INDEX])])
+        if off == 0.0:
+            continue
+        if joints[j, TURNS] != 0.0:
+            off *= largest_arm(P, last, j, cx, cy, cz, radius, travel) + moved
+        moved += off
+    return moved

@@ -72,7 +72,8 @@ class Scene(NamedTuple):
 
 
 class Blocks(NamedTuple):
-    """Straight motions: start and delta (B, n).
+    """Motions along a straight line: start and delta (B, n); no axis is ever farther from it than slack (B,
+    n) at the same share of the way.
 
     anchors (B, 2, 3): places in the panel frame where the tip works, NaN for nowhere. what (B + 1, 3): the
     assembly in the machine, whether it is at a process, and where the run of its contacts begins.
@@ -81,6 +82,7 @@ class Blocks(NamedTuple):
 
     start: Array
     delta: Array
+    slack: Array
     anchors: Array
     what: Ints
     contact_part: Ints

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from planners.arrays import Array
-from robots.proof.frames import bulge_and_travel, place
+from robots.proof.frames import bulge_and_travel, place, slack_travel
 from robots.proof.layout import (
     AT_S0,
     AT_S1,
@@ -45,9 +45,11 @@ def place_ends(scene: Any, blocks: Any, block: int, s0: float, s1: float, stretc
     P, near, row = stretch.P, stretch.near, scene.die_row
     for at in (AT_S0, AT_S1):
         place_machine(scene, blocks, block, s0 if at == AT_S0 else s1, P, at)
-    bulge, _ = bulge_and_travel(
+    bulge, travel = bulge_and_travel(
         scene.joints, scene.own, row, blocks.delta[block], s1 - s0, P, 0.0, 0.0, 0.0, 0.0
     )
+    slack = blocks.slack[block]
+    bulge += slack_travel(scene.joints, scene.own, row, slack, P, 0.0, 0.0, 0.0, 0.0, travel)
     radius = scene.near_radius + RESOLUTION
     near[:] = 0
     for k in range(2):
@@ -86,14 +88,18 @@ def pair_of(solids: Array, tasks: Array, task: int, piece: int) -> Pair:
 
 @uncounted
 def motion(
-    joints: Array, own: int, solids: Array, pair: Pair, dq: Array, share: float, P: Array
+    joints: Array, own: int, solids: Array, pair: Pair, dq: Array, slack: Array, share: float, P: Array
 ) -> tuple[float, float]:
-    """Bulge and travel of a pair on the stretch, which is so large a share of the block's motion dq [m]."""
+    """Bulge and travel of a pair on the stretch, which is so large a share of the block's motion dq [m].
+
+    What the axes' slack moves the pair counts as bulge.
+    """
     bulge, travel = 0.0, 0.0
     for k in range(1 if pair[2] < 0 else 2):
         solid, row = (pair[0], pair[1]) if k == 0 else (pair[2], pair[3])
         x, y, z = solids[solid, BALL], solids[solid, BALL + 1], solids[solid, BALL + 2]
         one = bulge_and_travel(joints, own, row, dq, share, P, x, y, z, solids[solid, BALL_RADIUS])
         bulge += one[0]
+        bulge += slack_travel(joints, own, row, slack, P, x, y, z, solids[solid, BALL_RADIUS], one[1])
         travel += one[1]
     return bulge, travel

@@ -16,6 +16,7 @@ def check(
     *,
     machine: str,
     dies: Sequence[str] | None,
+    processes: Path | None,
     remedies: int,
     out: Path | None,
     whole: bool,
@@ -28,7 +29,7 @@ def check(
     """
     if out is not None:
         check_target(out, {panel_file.resolve(): "the panel"}, "the report")
-    inputs = read_inputs(panel_file, machine, dies)
+    inputs = read_inputs(panel_file, machine, dies, processes)
     with as_lines(f"{panel_file}#"), progress_bar(quiet=quiet) as progress:
         report = check_panel(inputs, remedies=remedies, progress=progress)
     if out is not None:

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ValidationError
 from robots.errors import InputProblem, InvalidInput
 from robots.escape_file import FamilyEscapes, read_escapes
 from robots.machine import Machine
+from robots.outline import Outline, read_outline
 from robots.schema_problems import schema_problems
 from robots.strict_json import read_document
 from service.inputs import Inputs, Places, gather
@@ -32,15 +33,19 @@ class Unusable(Exception):
         super().__init__(self.lines)
 
 
-def read_inputs(panel_file: Path, machine: str, dies: Sequence[str] | None) -> Inputs:
-    """Read a panel file; `machine` is an id, or a definition file where it ends in .json. Raises Unusable."""
+def read_inputs(
+    panel_file: Path, machine: str, dies: Sequence[str] | None, processes: Path | None = None
+) -> Inputs:
+    """Read a panel file. machine: an id, or a definition file where it ends in .json. processes: a file of
+    process templates, if others than those that come with rivetplan. Raises Unusable.
+    """
     with as_lines(f"{panel_file}#"):
         document = read_document(panel_file)
     is_file = machine.endswith(".json")
     where = Path(machine) if is_file else machine
-    places = Places(panel=f"{panel_file}#", machine=f"{machine}#" if is_file else "--machine", dies="--die")
+    places = Places(f"{panel_file}#", f"{machine}#" if is_file else "--machine", "--die", f"{processes}#")
     with as_lines(""):
-        return gather(document, where, dies, places)
+        return gather(document, where, dies, places, processes)
 
 
 def read(file: Path) -> bytes:
@@ -65,15 +70,26 @@ def read_family(file: Path, machine: Machine) -> FamilyEscapes | None:
         return read_escapes(read(file), machine)
 
 
+def read_program_outline(file: Path) -> Outline:
+    """The outline of a program file. Raises Unusable."""
+    data = read(file)
+    with as_lines(f"{file}#"):
+        return read_outline(data)
+
+
 def read_request(file: Path, model: type[_Model]) -> _Model:
     """Return the request in a file: what is posted to the service. Raises Unusable."""
     with as_lines(f"{file}#"):
-        document = read_document(file)
-        try:
-            return model.model_validate(document)
-        except ValidationError as error:
-            problems = [problem for _, problem in schema_problems(error.errors(), document, model)]
-            raise InvalidInput(problems) from None
+        return validated(read_document(file), model)
+
+
+def validated(document: dict[str, object], model: type[_Model]) -> _Model:
+    """Return a document as the model that it is of. Raises InvalidInput."""
+    try:
+        return model.model_validate(document)
+    except ValidationError as error:
+        problems = [problem for _, problem in schema_problems(error.errors(), document, model)]
+        raise InvalidInput(problems) from None
 
 
 @contextmanager

@@ -1,36 +1,119 @@
-"""`rivetplan serve`: the HTTP service on a loopback address."""
+"""`rivetplan serve`: the HTTP service; on a loopback address, unless keys tell its callers apart."""
 
 import logging
+import os
+import signal
 import socket
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
 from ipaddress import ip_address
+from pathlib import Path
+from types import FrameType
 
+import psycopg
 import uvicorn
+from sqlalchemy.exc import SQLAlchemyError
 
 from service.app import create_app
 from service.commands.reading import Unusable
+from service.jobs.database import prepare
+from service.jobs.places import DATABASE, JobPlaces
+from service.jobs.queue import DbosJobs
+from service.jobs.supervisor import Supervisor
+from service.jobs.worker import LOG_FORMAT
+from service.security.authentication import Authenticator
+from service.security.keys import FILE_NAME
+from service.security.redaction import RedactingFormatter
+from service.security.settings import SecuritySettings, TokenSettings
+from service.security.watched import UnusableFile
 from service.settings import Settings
 
+_LOG = logging.getLogger("rivetplan.security")
 
-def serve(host: str, port: int, settings: Settings) -> None:
-    """Serve until interrupted. Raises Unusable where the address cannot be used."""
-    listening = _listen(host, port)
+
+def serve(
+    host: str, port: int, settings: Settings, *, data: Path, workers: int, retention_days: float
+) -> None:
+    """Serve until interrupted, with `workers` processes for jobs. Raises Unusable where that cannot be."""
+    guarded = _is_guarded(settings.security)
+    listening = _listen(host, port, guarded=guarded)
+    settings = replace(settings, security=replace(settings.security, required=guarded))
+    places = _prepared(data)
     address, its_port = listening.getsockname()[:2]
     shown = f"[{address}]" if ":" in address else address
     print(f"rivetplan serves on http://{shown}:{its_port}", flush=True)
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
-    config = uvicorn.Config(create_app(settings), log_config=None, timeout_graceful_shutdown=5)
-    uvicorn.Server(config).run(sockets=[listening])
+    logging.basicConfig(level=logging.INFO)
+    for handler in logging.getLogger().handlers:
+        handler.setFormatter(RedactingFormatter(LOG_FORMAT))
+    if not ip_address(address).is_loopback:
+        _LOG.warning("keys travel in the clear over http: put a proxy with TLS before the service")
+    supervisor = Supervisor(places, workers, retention_days)
+    app = create_app(settings, jobs=DbosJobs(places))
+    config = uvicorn.Config(app, log_config=None, server_header=False, timeout_graceful_shutdown=5)
+    signal.signal(signal.SIGTERM, _leave)  # what uvicorn raises again once it has shut down
+    supervisor.start()
+    try:
+        uvicorn.Server(config).run(sockets=[listening])
+    finally:
+        supervisor.stop()
 
 
-def _listen(host: str, port: int) -> socket.socket:
-    """Open the socket to serve on: of this computer only, because no keys tell clients apart."""
+def _leave(_number: int, _frame: FrameType | None) -> None:
+    sys.exit(0)
+
+
+def _prepared(data: Path) -> JobPlaces:
+    """Where jobs are kept, with everything that is needed there."""
+    try:
+        places = JobPlaces.of(data, os.environ)
+        prepare(places)
+    except OSError as error:
+        raise Unusable([f"--data: {data} cannot be used: {error.strerror}. Name a directory."]) from None
+    except (SQLAlchemyError, psycopg.Error) as error:
+        why = str(error).splitlines()[0]
+        raise Unusable([f"{DATABASE}: the database cannot be used: {why}. Name one that runs."]) from None
+    return places
+
+
+def security(
+    data: Path, *, allowed_hosts: Sequence[str], tokens: tuple[Path, str, str] | None, requests_per_s: float
+) -> SecuritySettings:
+    """Return who may ask: by the keys in `data`, by tokens (key file, issuer, audience). Raises Unusable."""
+    burst = max(1, round(2 * requests_per_s))
+    believed = None
+    if tokens is not None:
+        try:
+            believed = TokenSettings(*tokens)
+        except ValueError:
+            raise Unusable(["--jwt-issuer: --jwks needs it. Give the iss of your tokens."]) from None
+    return SecuritySettings(
+        keys=data / FILE_NAME,
+        tokens=believed,
+        allowed_hosts=tuple(allowed_hosts),
+        requests_per_s=requests_per_s,
+        burst=burst,
+    )
+
+
+def _is_guarded(settings: SecuritySettings) -> bool:
+    """Whether callers need keys. Raises Unusable where a file of keys cannot be used."""
+    try:
+        return Authenticator(settings).is_required()
+    except UnusableFile as unusable:
+        raise Unusable([f"{unusable}. Without it nobody can be let in."]) from None
+
+
+def _listen(host: str, port: int, *, guarded: bool) -> socket.socket:
+    """Open the socket to serve on: of this computer only, where no keys tell callers apart."""
     try:
         address = ip_address("127.0.0.1" if host == "localhost" else host)
     except ValueError:
         raise Unusable([f"--host: {host} is not an IP address. Use 127.0.0.1 or ::1."]) from None
-    if not address.is_loopback:
-        why = "the service knows no keys and would let everybody in"
-        raise Unusable([f"--host: {host} is not a loopback address and {why}. Use 127.0.0.1 and a proxy."])
+    if not (address.is_loopback or guarded):
+        why = "the service has no keys and would let everybody in"
+        remedy = "Make one first: rivetplan keys add NAME --scope plan."
+        raise Unusable([f"--host: {host} is not a loopback address and {why}. {remedy}"])
     listening = socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:

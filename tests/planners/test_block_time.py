@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from planners.arrays import Array
-from planners.block_time import block_time
+from planners.block_time import block_time, block_times
 from planners.retiming import exact_stop
 
 moves = arrays(float, (3,), elements=st.floats(-3.0, 3.0).filter(lambda x: x == 0.0 or abs(x) > 1e-5))
@@ -31,3 +31,13 @@ def test_acceleration_and_jerk_may_be_without_limit() -> None:
     rows[1], rows[2] = np.inf, (0.5, np.inf)
     assert block_time(a, b, rows) == pytest.approx(4.0 * (3.0 / (2.0 * 0.5)) ** (1.0 / 3.0))
     assert block_time(a, a, rows) == 0.0
+
+
+@given(
+    arrays(float, (2, 3), elements=st.floats(-3.0, 3.0)), arrays(float, (4, 3), elements=st.floats(-3.0, 3.0))
+)
+def test_a_table_of_times_has_the_time_of_each_block(starts: Array, goals: Array) -> None:
+    most = np.array([[1.0, 2.0, 3.0], [1.0, 1.0, 1.0], [5.0, 5.0, 5.0]])
+    table = block_times(starts, goals, most)
+
+    assert table.tolist() == [[block_time(a, b, most) for b in goals] for a in starts]

@@ -25,7 +25,6 @@ from robots.nc import (
     NcBreakdown,
     NcClearancePolicy,
     NcCounts,
-    NcDatums,
     NcDie,
     NcDynamics,
     NcEvent,
@@ -36,15 +35,15 @@ from robots.nc import (
     NcPairClearance,
     NcPlanner,
     NcPolicy,
-    NcProcess,
     NcProgram,
-    NcStep,
     NcSummary,
-    Row4,
 )
 from robots.nc_codec import SignificantDown
+from robots.nc_datums import NcDatums, Row4
 from robots.nc_json import program_id, rounded
+from robots.nc_process import NcProcess
 from robots.panel import Fastener, Panel, Part, PartKind, Stack
+from robots.process_record import handshake_record, process_record
 from robots.surface import Surface
 from robots.verify_inputs import inputs_of
 
@@ -215,7 +214,10 @@ def _block(n: int, leg: Leg, here: Array, machine: Machine, clock: Clock, *, res
     if leg.kind == "process":
         steps = machine.processes["solid_rivet"].steps
         starts = np.cumsum([0.0, *(step.duration for step in steps)])
-        events = tuple(NcEvent(str(s.code), float(at)) for s, at in zip(steps, starts[:-1], strict=True))
+        events = tuple(
+            NcEvent(str(s.code), float(at), handshake_record(s))
+            for s, at in zip(steps, starts[:-1], strict=True)
+        )
         end = clock.run("process", float(starts[-1]))
         return replace(block, t_end_s=end, events=events, process_id="solid_rivet")
     if resting or leg.kind == "die_change":
@@ -288,5 +290,5 @@ def _policy(machine: Machine, panel: Panel) -> NcPolicy:
 
 
 def _process(machine: Machine) -> NcProcess:
-    steps = tuple(NcStep(str(step.code), step.duration) for step in machine.processes["solid_rivet"].steps)
-    return NcProcess("solid_rivet", steps, 1e3 * machine.retract_margin)
+    template = machine.processes["solid_rivet"]
+    return process_record(template, flat_panel().fasteners, machine.retract_margin)

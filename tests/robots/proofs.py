@@ -78,7 +78,7 @@ def random_motions(seed: int, n: int) -> tuple[Array, Array]:
 def blocks_of(start: Array, delta: Array) -> Blocks:
     """Motions of the first assembly with no fastener near and nothing to touch."""
     anchors, what = np.full((len(start), 2, 3), np.nan), np.zeros((len(start) + 1, 3), dtype=np.int64)
-    return Blocks(start, delta, anchors, what, np.zeros(0, dtype=np.int64))
+    return Blocks(start, delta, np.zeros_like(delta), anchors, what, np.zeros(0, dtype=np.int64))
 
 
 def scene_with(panel: Panel, *tasks: Task) -> Scene:

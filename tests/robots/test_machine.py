@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from planners.retiming import exact_stop
 from robots.errors import InputProblem, InvalidInput, UnknownName, shown
 from robots.machine import ClearancePolicy
 from robots.machine_file import load_machine, load_process, machine_ids
-from robots.processes import StepCode
+from robots.processes import ParameterSet, StepCode, needed_signal
+from robots.riveter import retract
 from tests.robots.test_solids import placed_points
 
 RIVETER = load_machine("riveter")
@@ -181,14 +183,62 @@ def test_process_data_of_the_machine() -> None:
         ("lockbolt", 8, "CLAMP DRILL PROBE SEAL INSERT UPSET UNCLAMP"),
     ],
 )
-def test_processes_add_up_to_the_published_rates_without_the_move(
+def test_processes_and_the_motion_of_a_pitch_add_up_to_the_published_rates(
     process_id: str, per_minute: float, codes: str
 ) -> None:
     process = load_process(process_id)
 
-    assert process.duration + 0.6 == pytest.approx(60.0 / per_minute, abs=1e-12)
+    pitch, stroke = np.zeros(7), np.zeros(7)
+    pitch[RIVETER.index("X")] = 0.025
+    stroke[RIVETER.index("W")] = retract(RIVETER, 0.004)
+    limits = RIVETER.v_max, RIVETER.a_max, RIVETER.j_max
+    motion = [exact_stop(deltas, *limits).duration for deltas in (pitch, stroke, stroke)]
+    assert process.duration + sum(motion) == pytest.approx(60.0 / per_minute, rel=2e-3)
     assert [step.code for step in process.steps] == [StepCode(code) for code in codes.split()]
     assert all("[K]" in step.source for step in process.steps)
+
+
+@pytest.mark.parametrize("process_id", ["solid_rivet", "slug", "lockbolt", "drill_only"])
+def test_head_and_die_shake_hands_before_pressing_drilling_and_upsetting(process_id: str) -> None:
+    """The die reports contact before the head presses, and is locked before it upsets."""
+    waits = {
+        str(step.code): step.handshake and str(step.handshake.wait_for)
+        for step in load_process(process_id).steps
+    }
+
+    assert waits["CLAMP"] == "DIE_CONTACT"
+    assert waits["DRILL"] == "CLAMP_FORCE"
+    assert waits.get("UPSET", "BUCKING_READY") == "BUCKING_READY"
+    assert waits["UNCLAMP"] == (
+        "UPSET_DONE" if process_id in ("solid_rivet", "lockbolt") else "SPINDLE_CLEAR"
+    )
+
+
+def test_the_step_after_a_tool_in_the_stack_waits_until_it_is_out() -> None:
+    for code in (StepCode.PROBE, StepCode.SEAL, StepCode.INSERT, StepCode.UNCLAMP):
+        assert needed_signal(code, StepCode.DRILL) == "SPINDLE_CLEAR"
+        assert needed_signal(code, StepCode.UPSET) == "UPSET_DONE"
+        assert needed_signal(code, StepCode.INSERT) is None
+
+
+def test_parameters_are_those_of_the_code_and_of_the_least_diameter_that_holds_the_fastener() -> None:
+    def values(rpm: float) -> dict[str, float]:
+        return {"spindle_rpm": rpm}
+
+    sets = (
+        ParameterSet((), 0.006, values(1.0)),
+        ParameterSet((), 0.004, values(2.0)),
+        ParameterSet(("BB", "BC"), 0.005, values(3.0)),
+    )
+    process = replace(load_process("solid_rivet"), parameters=sets)
+
+    def found(code: str | None, diameter: float) -> float | None:
+        chosen = process.parameters_for(code, diameter)
+        return None if chosen is None else chosen.values["spindle_rpm"]
+
+    assert [found(None, d) for d in (0.004, 0.0041, 0.006, 0.0061)] == [2.0, 1.0, 1.0, None]
+    assert [found("BC", d) for d in (0.004, 0.005, 0.0051)] == [3.0, 3.0, None]
+    assert found("BJ", 0.004) == 2.0
 
 
 def test_drilling_only_is_the_solid_rivet_without_its_fastener() -> None:

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from robots.errors import InputProblem, InvalidInput, shown
 from robots.machine_file import load_machine
-from robots.tooling_file import load_dies, load_processes
+from robots.process_file import load_processes
+from robots.tooling_file import load_dies
 
 DATA = Path(__file__).parents[2] / "robots" / "data"
 RIVETER, DIES, PROCESSES = (
@@ -195,6 +196,22 @@ PROCESS_FAULTS: list[Fault] = [
     ("/processes/0/steps/2/duration_s", float("nan"), "not_finite"),
     ("/processes/0/steps", [], "wrong_length"),
     ("/processes/0/steps/2/source", GONE, "missing_field"),
+    ("/processes/0/revision", 0, "out_of_range"),
+    ("/processes/0/steps/0/handshake", GONE, "missing_field"),
+    ("/processes/0/steps/0/handshake", None, "handshake_missing"),
+    ("/processes/0/steps/4/handshake", None, "handshake_missing"),
+    ("/processes/0/steps/0/handshake/wait_for", "BUCKING_READY", "handshake_swapped"),
+    ("/processes/0/steps/1/handshake/wait_for", "DIE_CONTACT", "handshake_swapped"),
+    ("/processes/1/steps/4/handshake/wait_for", "SPINDLE_CLEAR", "handshake_swapped"),
+    ("/processes/1/steps/5/handshake/wait_for", "UPSET_DONE", "handshake_swapped"),
+    ("/processes/0/steps/0/handshake/wait_for", "GREEN_LIGHT", "unknown_value"),
+    ("/processes/0/steps/0/handshake/timeout_s", 2000.0, "out_of_range"),
+    ("/processes/0/parameters/2/values/spindle_rpm", 4.8, "out_of_range"),
+    ("/processes/0/parameters/2/values/spindle_rpm", GONE, "missing_field"),
+    ("/processes/3/parameters/2/values/upset_force_n", 1000.0, "unknown_field"),
+    ("/processes/0/parameters/2/up_to_mm", 3.6, "duplicate_parameters", "/processes/0/parameters/2"),
+    ("/processes/0/parameters/2/up_to_mm", 0.004, "out_of_range"),
+    ("/processes/0/parameters/2/codes", ["B J"], "bad_name", "/processes/0/parameters/2/codes/0"),
 ]  # fmt: skip
 
 

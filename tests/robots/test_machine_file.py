@@ -9,7 +9,8 @@ import pytest
 from robots.definition_file import canonical_json, select
 from robots.errors import InvalidInput, UnknownName
 from robots.machine_file import MachineFile, load_machine
-from robots.tooling_file import DieLibraryFile, ProcessLibraryFile, load_dies
+from robots.process_file import ProcessLibraryFile
+from robots.tooling_file import DieLibraryFile, load_dies
 from tests.robots.test_machine_faults import DATA, DIES, RIVETER, problems_of, with_change
 
 

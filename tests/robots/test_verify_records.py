@@ -62,6 +62,7 @@ def test_fasteners_out_of_order_are_named() -> None:
         {"diameter_mm": 4.8},
         {"grip_mm": 3.0},
         {"stack": ("SKIN",)},
+        {"code": "BJ"},
     ],
 )
 def test_fastener_data_that_differ_from_the_panel_are_named(change: dict[str, Any]) -> None:
@@ -164,6 +165,8 @@ def test_process_data_that_differ_from_the_machine_are_named() -> None:
     assert codes(replace(CLEAN, processes=(replace(process, retract_mm=1.0),))) == {"process_data"}
     assert codes(replace(CLEAN, processes=(replace(process, steps=process.steps[1:]),))) == {"process_data"}
     assert codes(replace(CLEAN, processes=())) == {"process_data"}
+    assert codes(replace(CLEAN, processes=(process, process))) == {"process_data"}
+    assert codes(replace(CLEAN, processes=(replace(process, revision=1),))) == {"process_data"}
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from service.pattern_schemas import RivetPatternRequest
 from service.schemas import MotionRequest, ProgramRequest
 from service.settings import Settings
 from service.strict_json import JsonLimits
+from service.verification_schemas import VerificationRequest
 
 ROOT = Path(__file__).parents[2]
 CROSSING = ROOT / "openapi" / "examples" / "crossing.json"
@@ -65,6 +66,9 @@ class FakeEngine:
 
     async def free_volume_mesh(self, request: FreeVolumeRequest) -> Answer:
         return tasks.free_volume_mesh(request, SETTINGS)
+
+    async def verification(self, request: VerificationRequest) -> Answer:
+        return tasks.verification(request, SETTINGS)
 
     async def rivet_pattern(self, request: RivetPatternRequest) -> Answer:
         return tasks.rivet_pattern(request, SETTINGS)

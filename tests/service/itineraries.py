@@ -1,6 +1,6 @@
 """Stations and links made up without a cell, for tests of what is done with them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from robots.cell import Blockage
 from robots.links import Link, LinkFinder
 from robots.panel import Fastener
 from robots.stations import Refusal, Station
-from service.die_pass import Run, Stop
+from service.die_pass import Detours, Run, Stop
 from tests.robots.flat_crossing import fastener
 from tests.robots.rigs import HOME_ANGLE, MACHINE, shifted
 
@@ -80,6 +80,23 @@ class KnownWays(LinkFinder):
         if stop():
             return no_link(at, PlanStatus.CANCELLED)
         return no_link(at) if (start, goal) in self.missing else joined(start, goal, "planned")
+
+
+class KnownDetours(Detours):
+    """Detours to made-up fasteners: `stations` has, by index, the index whose made-up station is taken.
+
+    asked: what it was asked, in order.
+    """
+
+    def __init__(self, stations: Mapping[int, int] | None = None) -> None:
+        self.stations, self.asked = dict(stations or {}), list[int]()
+
+    def to(self, index: int, stop: Callable[[], bool]) -> Stop | None:
+        self.asked.append(index)
+        if index not in self.stations:
+            return None
+        other = self.stations[index]
+        return Stop(index, made_up_station(other), None, joined(other, HOME))
 
 
 def _index(station: Station) -> int:

@@ -227,7 +227,7 @@ def test_client_that_leaves_while_it_sends_is_no_fault(
     client: httpx.Client, caplog: pytest.LogCaptureFixture
 ) -> None:
     with socket.create_connection((client.base_url.host, client.base_url.port or 0)) as leaving:
-        head = f"POST {PROGRAMS} HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+        head = f"POST {PROGRAMS} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
         leaving.sendall(f"{head}Content-Length: 100\r\n\r\n{{".encode())
         client.get("/health/live")  # the service has begun to read
     for _ in range(20):

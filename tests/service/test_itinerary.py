@@ -1,5 +1,7 @@
 """The itinerary: runs joined to passes, ways home, and the reasons kept."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,16 +10,19 @@ import pytest
 from planners.detector import never
 from planners.result import PlanStatus
 from robots.cell import Cell
+from robots.links import LinkFinder
 from robots.riveter import OutOfLimits
 from robots.stations import Refusal
-from service.die_pass import Cancelled, Run, plan_run, refusal_of
+from service.die_pass import Cancelled, Detours, Run, plan_run, refusal_of
 from service.itinerary import DiePass, Itinerary
 from tests.robots.flat_crossing import fastener, flat_crossing
 from tests.robots.rigs import HOME_ANGLE, MACHINE, SKIN_ONLY, bottle, refusal, riveted, with_fasteners
 from tests.service.itineraries import (
     HOME,
     IN_THE_WAY,
+    KnownDetours,
     KnownWays,
+    joined,
     made_up_station,
     no_link,
     run_of,
@@ -26,14 +31,24 @@ from tests.service.itineraries import (
 OUT = Refusal("straight", out_of_limits=OutOfLimits("A", 1.4, -1.3, 1.3, 0.1))
 
 
-def join(*runs: Run, finder: KnownWays | None = None) -> Itinerary:
+def join(*runs: Run, finder: KnownWays | None = None, detours: Mapping[int, int] | None = None) -> Itinerary:
     itinerary = Itinerary()
-    itinerary.join("straight", runs, finder or KnownWays(), never)
+    itinerary.join("straight", runs, finder or KnownWays(), KnownDetours(detours), never)
     return itinerary
 
 
 def stops_of(itinerary: Itinerary) -> list[int]:
     return [stop.index for each in itinerary.passes for stop in each.stops]
+
+
+def stations_of(itinerary: Itinerary) -> list[int]:
+    return [int(stop.station.fastener.id[1:]) for each in itinerary.passes for stop in each.stops]
+
+
+def passes_home(each: DiePass, stop: int) -> bool:
+    """Whether the link to that stop of a pass goes by the machine's home on its way."""
+    link = each.stops[stop].link
+    return link is not None and any(np.array_equal(q, MACHINE.home) for q in link.waypoints[1:])
 
 
 def assert_continuous(each: DiePass) -> None:
@@ -114,8 +129,8 @@ def test_reasons_of_several_dies_are_kept_in_their_order() -> None:
     itinerary = Itinerary()
     other = Refusal("j20", no_path="the budget is spent")
 
-    itinerary.join("straight", [run_of(0, refusals={1: OUT})], KnownWays(), never)
-    itinerary.join("j20", [Run(refusals={1: other})], KnownWays(), never)
+    itinerary.join("straight", [run_of(0, refusals={1: OUT})], KnownWays(), KnownDetours(), never)
+    itinerary.join("j20", [Run(refusals={1: other})], KnownWays(), KnownDetours(), never)
 
     assert itinerary.refusals == {1: [OUT, other]}
 
@@ -140,6 +155,80 @@ def test_where_no_stop_has_a_way_home_there_is_no_pass() -> None:
     assert itinerary.installed == frozenset()
 
 
+def test_a_stop_without_a_way_to_it_is_reached_at_another_station() -> None:
+    """And what comes after it starts from there."""
+    finder = KnownWays({(1, 2)})
+
+    itinerary = join(run_of(0, 1), run_of(2, 3, 4), finder=finder, detours={2: 12})
+
+    assert stops_of(itinerary) == [0, 1, 2, 3, 4]
+    assert stations_of(itinerary) == [0, 1, 12, 3, 4]
+    assert finder.asked == [(HOME, 0), (1, 2), (1, 12), (12, 3), (4, HOME)]
+    assert_continuous(itinerary.passes[0])
+    assert itinerary.refusals == {}
+    assert not passes_home(itinerary.passes[0], 2)
+
+
+def test_a_stop_that_only_home_leads_to_is_reached_past_home() -> None:
+    itinerary = join(run_of(0, 1), run_of(2, 3), finder=KnownWays({(1, 2), (1, 12)}), detours={2: 12})
+
+    assert stations_of(itinerary) == [0, 1, 12, 3]
+    assert_continuous(itinerary.passes[0])
+    assert [passes_home(itinerary.passes[0], k) for k in range(4)] == [False, False, True, False]
+
+
+def test_a_first_stop_that_home_does_not_lead_to_is_reached_at_another_station() -> None:
+    itinerary = join(run_of(0, 1), finder=KnownWays({(HOME, 0)}), detours={0: 10})
+
+    assert stations_of(itinerary) == [10, 1]
+    assert_continuous(itinerary.passes[0])
+
+
+def test_a_detour_that_its_run_found_is_taken_past_home_where_nothing_else_leads_there() -> None:
+    run = run_of(0, 1)
+    run.stops[1] = replace(run.stops[1], link=None, way_home=joined(1, HOME))
+    finder = KnownWays({(0, 1), (1, HOME)})
+
+    itinerary = join(run, finder=finder)
+
+    assert stations_of(itinerary) == [0, 1]
+    assert finder.asked == [(HOME, 0), (0, 1), (0, HOME)]
+    assert_continuous(itinerary.passes[0])
+    assert passes_home(itinerary.passes[0], 1)
+
+
+def test_a_last_stop_without_a_way_home_is_done_at_a_station_that_has_one() -> None:
+    finder = KnownWays({(2, HOME), (12, HOME)})
+
+    itinerary = join(run_of(0, 1, 2), finder=finder, detours={2: 12})
+
+    assert stations_of(itinerary) == [0, 1, 12]
+    assert finder.asked == [(HOME, 0), (2, HOME), (1, 12)]
+    assert_continuous(itinerary.passes[0])
+
+
+def test_past_home_goes_only_what_has_a_way_home_itself() -> None:
+    """Stop 2 must go home on the way to 3, and has no way; stop 1 gets one at another station."""
+    ways = KnownWays({(2, HOME), (1, HOME), (2, 3), (2, 13), (1, 13), (11, 13)})
+
+    itinerary = join(run_of(0, 1, 2), run_of(3), finder=ways, detours={3: 13, 1: 11})
+
+    assert stations_of(itinerary) == [0, 11, 13]
+    assert sorted(itinerary.refusals) == [2]
+    assert_continuous(itinerary.passes[0])
+    assert passes_home(itinerary.passes[0], 2)
+
+
+def test_where_no_stop_before_has_a_way_home_a_detour_begins_the_pass() -> None:
+    ways = KnownWays({(0, HOME), (0, 1), (0, 11)})
+
+    itinerary = join(run_of(0), run_of(1), finder=ways, detours={1: 11})
+
+    assert stations_of(itinerary) == [11]
+    assert sorted(itinerary.refusals) == [0]
+    assert_continuous(itinerary.passes[0])
+
+
 @pytest.mark.parametrize("after", [0, 1, 2])
 def test_stop_ends_joining_with_cancelled(after: int) -> None:
     """At the link from home, between the runs, and at the way home."""
@@ -150,7 +239,7 @@ def test_stop_ends_joining_with_cancelled(after: int) -> None:
         return len(asked) > after
 
     with pytest.raises(Cancelled):
-        Itinerary().join("straight", [run_of(0), run_of(1)], KnownWays(), stop)
+        Itinerary().join("straight", [run_of(0), run_of(1)], KnownWays(), KnownDetours(), stop)
 
 
 def test_only_what_no_die_installed_is_explained() -> None:
@@ -159,7 +248,7 @@ def test_only_what_no_die_installed_is_explained() -> None:
     where, asked = riveted(panel, "straight"), []
     itinerary = Itinerary()
     blocked = refusal(where, 8)
-    itinerary.join("straight", [run_of(0, 1)], KnownWays(), never)
+    itinerary.join("straight", [run_of(0, 1)], KnownWays(), KnownDetours(), never)
     for index in (1, 8):
         itinerary.refuse(index, blocked)
 
@@ -250,6 +339,13 @@ def test_a_run_is_cancelled_while_it_searches() -> None:
     with pytest.raises(Cancelled):
         plan_run(where, where.panel, [6, 10], None, "heuristics", 0, stop)
     assert len(asked) == 3
+
+
+def test_a_detour_is_cancelled_while_it_searches() -> None:
+    where = riveted(flat_crossing(), "straight")
+
+    with pytest.raises(Cancelled):
+        Detours(where, LinkFinder(where, "heuristics", 0)).to(6, lambda: True)
 
 
 @pytest.mark.long

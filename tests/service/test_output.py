@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from service.cli import UNUSABLE, app
+from service.cli import app
+from service.exits import UNUSABLE
 from tests.service.conftest import CROSSING, ROOT, CrossingRun, rivetplan
 from tests.service.test_cli import changed_crossing, lines_of_refusal
 

@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -14,10 +14,19 @@ from robots.riveter import OutOfLimits
 from robots.stations import Refusal
 from service.die_pass import Stop
 from service.itinerary import DiePass, Itinerary
-from service.program_writer import write_program
+from service.program_writer import program_header, write_program
 from tests.robots.flat_crossing import flat_crossing
 from tests.robots.rigs import MACHINE
-from tests.service.itineraries import HOME, IN_THE_WAY, KnownWays, joined, made_up_station, no_link, run_of
+from tests.service.itineraries import (
+    HOME,
+    IN_THE_WAY,
+    KnownDetours,
+    KnownWays,
+    joined,
+    made_up_station,
+    no_link,
+    run_of,
+)
 
 PANEL = flat_crossing(sag=0.0005)
 DIES = (MACHINE.dies["straight"], MACHINE.dies["offset35"])
@@ -31,14 +40,20 @@ def itinerary() -> Itinerary:
     made = Itinerary()
     refusals = {2: TILT, 3: BLOCKED, 4: BLOCKED}
     made.join(
-        "straight", [run_of(0, 1, refusals=refusals, failures=[no_link(MACHINE.home)])], KnownWays(), never
+        "straight",
+        [run_of(0, 1, refusals=refusals, failures=[no_link(MACHINE.home)])],
+        KnownWays(),
+        KnownDetours(),
+        never,
     )
-    made.join("offset35", [run_of(8, die_id="offset35", refusals={4: NO_PATH})], KnownWays(), never)
+    made.join(
+        "offset35", [run_of(8, die_id="offset35", refusals={4: NO_PATH})], KnownWays(), KnownDetours(), never
+    )
     return made
 
 
 def write(made: Itinerary, machine: Machine = MACHINE, seed: int = 3) -> NcProgram:
-    return write_program(PANEL, machine, DIES, made, seed)
+    return write_program(PANEL, machine, DIES, made, program_header(PANEL, machine, DIES, seed))
 
 
 @pytest.fixture(scope="module")
@@ -151,14 +166,28 @@ def test_machine_datums_and_processes_are_told_in_millimetres_and_degrees(progra
     assert program.datums.panel_frame_mm[0] == (1.0, 0.0, 0.0, 0.0)
     (process,) = program.processes
     assert (process.id, process.retract_mm) == ("solid_rivet", 3.0)
-    assert sum(step.duration_s for step in process.steps) == pytest.approx(3.4)
+    template = MACHINE.processes["solid_rivet"]
+    assert sum(step.duration_s for step in process.steps) == pytest.approx(template.duration)
+    assert process.revision == template.revision
+    waits = [step.handshake and (step.handshake.wait_for, step.handshake.timeout_s) for step in process.steps]
+    wanted = [
+        step.handshake and (str(step.handshake.wait_for), step.handshake.timeout) for step in template.steps
+    ]
+    assert waits == wanted
+    (row,) = process.parameters or ()
+    assert (row.diameter_mm, row.code) == (4.0, None)
+    given = {name: value for name, value in asdict(row).items() if value is not None}
+    assert given == {"diameter_mm": 4.0, **template.parameters[2].values}
 
 
 def test_a_mounting_is_told_in_millimetres() -> None:
     moved = PANEL.mounting.copy()
     moved[:3, 3] = 0.1, -0.2, 0.3
 
-    told = write_program(replace(PANEL, mounting=moved), MACHINE, DIES, itinerary(), 0).datums
+    elsewhere = replace(PANEL, mounting=moved)
+    header = program_header(elsewhere, MACHINE, DIES, 0)
+
+    told = write_program(elsewhere, MACHINE, DIES, itinerary(), header).datums
 
     assert [row[3] for row in told.panel_frame_mm] == pytest.approx([100.0, -200.0, 300.0, 1.0])
 
@@ -191,8 +220,8 @@ def test_a_program_in_which_nothing_is_installed_stands_at_home_with_the_first_d
 
 def test_the_first_die_that_is_used_is_in_the_machine_from_the_start() -> None:
     made = Itinerary()
-    made.join("straight", [], KnownWays(), never)
-    made.join("offset35", [run_of(8, die_id="offset35")], KnownWays(), never)
+    made.join("straight", [], KnownWays(), KnownDetours(), never)
+    made.join("offset35", [run_of(8, die_id="offset35")], KnownWays(), KnownDetours(), never)
 
     assert {block.kind for block in write(made).blocks} == {"move", "approach", "process", "retreat"}
     assert {block.die_id for block in write(made).blocks} == {"offset35"}

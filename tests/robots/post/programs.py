@@ -1,7 +1,7 @@
 """Programs to post, and texts read by other code than the dialects'.
 
-`python -m tests.robots.post.programs` writes the golden texts anew from golden/crossing.nc.json; with the
-word `plan` it plans that program anew first. Review what changes.
+`python -m tests.robots.post.programs` writes the golden texts and the example of a verification anew from
+golden/crossing.nc.json; with the word `plan` it plans that program anew first. Review what changes.
 """
 
 import json
@@ -22,6 +22,7 @@ from tests.robots.rigs import MACHINE
 
 ROOT = Path(__file__).parents[3]
 GOLDEN = Path(__file__).parent / "golden"
+VERIFICATION = ROOT / "openapi" / "examples" / "verification.json"
 
 Meaning = list[object]
 
@@ -58,6 +59,14 @@ def golden_text(dialect: str) -> Path:
     return GOLDEN / f"crossing{DIALECTS[dialect].suffix}"
 
 
+def verification_example() -> str:
+    """The example of a request for a verification: the reviewed SINUMERIK text on its panel."""
+    panel = json.loads((ROOT / "openapi" / "examples" / "crossing.json").read_bytes())
+    text = golden_text("sinumerik840d").read_text(encoding="ascii")
+    order = {"panel": panel, "machine": "riveter", "program": {"dialect": "sinumerik840d", "text": text}}
+    return json.dumps(order, indent=2) + "\n"
+
+
 def meaning(text: str, dialect: str) -> Meaning:
     """Words and numbers of a text in their order, without free comments and however they are spaced."""
     rows = [line for line in text.split("\n") if line.strip()]
@@ -81,6 +90,7 @@ def main() -> None:
         (GOLDEN / "crossing.nc.json").write_bytes(to_json(planned("crossing")))
     for dialect in DIALECTS:
         golden_text(dialect).write_text(post(golden_program(), dialect), newline="\n")
+    VERIFICATION.write_text(verification_example(), newline="\n")
 
 
 if __name__ == "__main__":

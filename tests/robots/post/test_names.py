@@ -66,7 +66,6 @@ def contents(form: Form) -> st.SearchStrategy[Content]:
 
     tokens = ANY.map(token)
     axes = st.tuples(*(rounded(axis) for axis in AXES))
-    events = st.lists(st.sampled_from(list(map(str, StepCode))), max_size=4)
     feeds = st.floats(1.0, 100.0).map(form.feed)
     origins = tokens | st.tuples(tokens, tokens).map("/".join)
 
@@ -74,6 +73,8 @@ def contents(form: Form) -> st.SearchStrategy[Content]:
     def content(draw: st.DrawFn) -> Content:
         dies = draw(st.lists(tokens, min_size=1, max_size=3, unique=True))
         processes = draw(st.lists(tokens, min_size=1, max_size=2, unique=True))
+        waits = draw(st.lists(tokens, max_size=3, unique=True))
+        events = [*map(str, StepCode), *(f"wait:{name}" for name in waits)]
         here = draw(axes)
         steps = []
         for i in range(draw(st.integers(1, 5))):
@@ -81,7 +82,10 @@ def contents(form: Form) -> st.SearchStrategy[Content]:
             here = draw(axes) if moves else here
             calls = [f"start:{draw(st.sampled_from(dies))}"] if i == 0 else []
             if not moves and draw(st.booleans()):
-                calls += [f"process:{draw(st.sampled_from(processes))}", *draw(events)]
+                calls += [
+                    f"process:{draw(st.sampled_from(processes))}",
+                    *draw(st.lists(st.sampled_from(events), max_size=6)),
+                ]
             elif not moves and draw(st.booleans()):
                 calls.append(f"change:{draw(st.sampled_from(dies))}")
             steps.append(
@@ -96,7 +100,7 @@ def contents(form: Form) -> st.SearchStrategy[Content]:
                 )
             )
         head = tuple(draw(tokens) for _ in HEAD_KEYS)
-        return Content(head, tuple(dies), tuple(processes), tuple(steps))
+        return Content(head, tuple(dies), tuple(processes), tuple(steps), waits=tuple(waits))
 
     return content()
 

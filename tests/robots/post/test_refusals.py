@@ -8,6 +8,7 @@ import pytest
 
 from robots.errors import InvalidInput
 from robots.nc import NcBlock, NcDie, NcDynamics, NcEvent, NcProgram
+from robots.nc_process import NcHandshake
 from robots.post import sinumerik840d
 from robots.post.dialects import DIALECTS, GRAMMARS, check, post
 from robots.post.refusals import unsayable
@@ -39,13 +40,13 @@ def numbered(old: int, new: int) -> Edit:
 
 def other_law(program: NcProgram) -> NcProgram:
     policy = replace(program.policy)
-    object.__setattr__(policy, "timing_law", "overlap")
+    object.__setattr__(policy, "timing_law", "time_optimal")
     return replace(program, policy=policy)
 
 
 def other_block_law(program: NcProgram) -> NcProgram:
     dynamics = replace(dynamics_of(20))
-    object.__setattr__(dynamics, "law", "overlap")
+    object.__setattr__(dynamics, "law", "time_optimal")
     return with_block(program, 20, dynamics=dynamics)
 
 
@@ -82,6 +83,11 @@ CASES: dict[str, tuple[Edit, str, str]] = {
     "die change in motion": (edited(20, kind="die_change"), "event_in_motion", "/blocks/1/events"),
     "event without process": (edited(50, process_id=None), "no_process", "/blocks/4/events"),
     "unknown event": (edited(50, events=(NcEvent("GLUE", 0.0),)), "unknown_event", "/blocks/4/events"),
+    "unknown hand-shake": (
+        edited(50, events=(NcEvent("CLAMP", 0.0, NcHandshake("DIE_CONTACT", 9.0)),)),
+        "unknown_handshake",
+        "/blocks/4/events",
+    ),
     "unknown process": (edited(50, process_id="glue"), "unknown_process", "/blocks/4/process_id"),
     "unknown die": (edited(50, die_id="spoon"), "unknown_die", "/blocks/4/die_id"),
     "die without change": (edited(50, die_id="j20"), "no_die_change", "/blocks/4/die_id"),

@@ -1,0 +1,1 @@
+"""Jobs: long work that outlives the process that asked for it, on DBOS and an artefact store."""

@@ -1,0 +1,162 @@
+"""What a worker reads and writes of its jobs in the database, each in one transaction."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import sqlalchemy as sa
+from sqlalchemy.exc import InterfaceError, OperationalError
+
+from service.errors import Problem
+from service.jobs.child import Done
+from service.jobs.database import APPLICATION, JOBS, VERSION, now_ms, workflows
+from service.jobs.model import Progress
+
+T = TypeVar("T")
+_LOG = logging.getLogger("rivetplan.jobs")
+_AGAIN_S = 0.5
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A job that an executor runs; DBOS's token tells this run from any other."""
+
+    job_id: str
+    token: str
+
+
+class Ledger:
+    """The database as one executor uses it."""
+
+    def __init__(self, engine: sa.Engine, executor: str) -> None:
+        self._engine, self._executor = engine, executor
+        self._flows = workflows(engine)
+
+    def claim(self, job_id: str) -> Claim | None:
+        """Note that a job begins; None where it is not this executor's any more."""
+
+        def begin() -> str | None:
+            with self._engine.begin() as connection:
+                query = sa.select(self._flows.c.owner_xid).where(*self._running(job_id))
+                token = connection.execute(query).scalar()
+                if token is not None:
+                    started = sa.func.coalesce(JOBS.c.started_ms, now_ms())
+                    connection.execute(JOBS.update().where(JOBS.c.id == job_id).values(started_ms=started))
+                return token
+
+        token = self.insist(begin)
+        return None if token is None else Claim(job_id, token)
+
+    def is_held(self, claim: Claim, progress: Progress | None) -> bool:
+        """Whether the job is still this run's; notes how far it is. True where the database does not say."""
+        try:
+            with self._engine.begin() as connection:
+                held = connection.execute(
+                    sa.select(sa.literal(1)).select_from(self._flows).where(*self._held(claim))
+                ).scalar()
+                if held and progress is not None:
+                    values = {
+                        "phase": progress.phase,
+                        "done": progress.done,
+                        "total": progress.total,
+                        "share": progress.share,
+                    }
+                    connection.execute(JOBS.update().where(JOBS.c.id == claim.job_id).values(values))
+                return bool(held)
+        except (OperationalError, InterfaceError) as error:
+            _LOG.warning("the database does not answer: %s", error.orig)
+            return True
+
+    def count_attempt(self, claim: Claim) -> int:
+        """Note that the job is begun once more; return how often it was begun then."""
+
+        def count() -> int:
+            with self._engine.begin() as connection:
+                attempts = self._flows.c.recovery_attempts
+                counted = (
+                    self._flows.update().where(*self._held(claim)).values(recovery_attempts=attempts + 1)
+                )
+                return connection.execute(counted.returning(attempts)).scalar() or 0
+
+        return self.insist(count)
+
+    def count_anew(self, claim: Claim) -> None:
+        """Note that the job has come further: this counts as the first time that it is begun."""
+
+        def count() -> None:
+            with self._engine.begin() as connection:
+                further = self._flows.update().where(*self._held(claim)).values(recovery_attempts=1)
+                connection.execute(further)
+
+        self.insist(count)
+
+    def finish(self, job_id: str, outcome: Done | Problem) -> None:
+        """Note what became of a job; DBOS notes after this that it is finished."""
+        if isinstance(outcome, Done):
+            values: dict[str, object] = {"result": outcome.result, "media_type": outcome.media_type}
+        else:
+            values = {"problem": outcome.model_dump_json()}
+        values["finished_ms"] = now_ms()
+
+        def note() -> None:
+            with self._engine.begin() as connection:
+                connection.execute(JOBS.update().where(JOBS.c.id == job_id).values(values))
+
+        self.insist(note)
+
+    def finished(self, job_id: str) -> bool:
+        """Whether it was noted before what became of the job."""
+
+        def look() -> bool:
+            with self._engine.connect() as connection:
+                known = sa.or_(JOBS.c.result.is_not(None), JOBS.c.problem.is_not(None))
+                query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, known)
+                return connection.execute(query).first() is not None
+
+        return self.insist(look)
+
+    def hand_back(self) -> int:
+        """Let others do what this executor has not finished, and do not count it as an attempt."""
+        with self._engine.begin() as connection:
+            values = {
+                "status": "ENQUEUED",
+                "owner_xid": None,
+                "started_at_epoch_ms": None,
+                "recovery_attempts": self._flows.c.recovery_attempts - 1,
+                "updated_at": now_ms(),
+            }
+            handed = self._flows.update().where(*self._running(None)).values(values)
+            return connection.execute(handed).rowcount
+
+    def others(self) -> list[str]:
+        """Executors that have unfinished jobs, but for this one."""
+        flows = self._flows.c
+        query = (
+            sa.select(flows.executor_id)
+            .distinct()
+            .where(flows.status == "PENDING", flows.application_version == VERSION)
+            .where(flows.application_name == APPLICATION, flows.executor_id != self._executor)
+        )
+        with self._engine.connect() as connection:
+            return sorted(connection.execute(query).scalars())
+
+    def insist(self, work: Callable[[], T]) -> T:
+        """Do it, as often as it takes until the database is back."""
+        while True:
+            try:
+                return work()
+            except (OperationalError, InterfaceError) as error:
+                _LOG.warning("the database does not answer: %s", error.orig)
+                time.sleep(_AGAIN_S)
+
+    def _running(self, job_id: str | None) -> list[sa.ColumnElement[bool]]:
+        flows = self._flows.c
+        mine = [flows.status == "PENDING", flows.executor_id == self._executor]
+        return mine if job_id is None else [*mine, flows.workflow_uuid == job_id]
+
+    def _held(self, claim: Claim) -> list[sa.ColumnElement[bool]]:
+        return [*self._running(claim.job_id), self._flows.c.owner_xid == claim.token]

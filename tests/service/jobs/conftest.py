@@ -1,0 +1,41 @@
+"""Places for jobs on SQLite and on a private PostgreSQL server."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.service.jobs.postgres import MISSING, Server, binaries
+from tests.service.jobs.site import Site
+
+NEEDED = "RIVETPLAN_TESTS_NEED_POSTGRES"
+"""Set where leaving PostgreSQL out must fail: in continuous integration."""
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[Server]:
+    """A server that runs."""
+    if binaries() is None:
+        if NEEDED in os.environ:
+            pytest.fail(MISSING)
+        pytest.skip(MISSING)
+    server = Server()
+    try:
+        server.start()
+        yield server
+    finally:
+        server.remove()
+
+
+@pytest.fixture(params=["sqlite", "postgres"])
+def site(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Site]:
+    """A place for jobs; every process that a test starts there has ended afterwards."""
+    database = None
+    if request.param == "postgres":
+        database = request.getfixturevalue("server").url(f"jobs_{os.urandom(6).hex()}")
+    site = Site(tmp_path, database)
+    try:
+        yield site
+    finally:
+        site.close()
