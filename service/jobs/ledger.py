@@ -10,6 +10,7 @@ from typing import TypeVar
 
 import sqlalchemy as sa
 from sqlalchemy.exc import InterfaceError, OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from service.errors import Problem
 from service.jobs.child import Done
@@ -19,6 +20,7 @@ from service.jobs.model import Progress
 T = TypeVar("T")
 _LOG = logging.getLogger("rivetplan.jobs")
 _AGAIN_S = 0.5
+_AWAY = (OperationalError, InterfaceError, PoolTimeout)
 
 
 @dataclass(frozen=True)
@@ -67,8 +69,8 @@ class Ledger:
                     }
                     connection.execute(JOBS.update().where(JOBS.c.id == claim.job_id).values(values))
                 return bool(held)
-        except (OperationalError, InterfaceError) as error:
-            _LOG.warning("the database does not answer: %s", error.orig)
+        except _AWAY as error:
+            _LOG.warning("the database does not answer: %s", error)
             return True
 
     def count_attempt(self, claim: Claim) -> int:
@@ -149,8 +151,8 @@ class Ledger:
         while True:
             try:
                 return work()
-            except (OperationalError, InterfaceError) as error:
-                _LOG.warning("the database does not answer: %s", error.orig)
+            except _AWAY as error:
+                _LOG.warning("the database does not answer: %s", error)
                 time.sleep(_AGAIN_S)
 
     def _running(self, job_id: str | None) -> list[sa.ColumnElement[bool]]:

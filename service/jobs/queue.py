@@ -19,6 +19,7 @@ from service.errors import Problem, problem
 from service.jobs.database import ATTEMPTS, JOBS, VERSION, client, connect, now_ms, workflows
 from service.jobs.model import IdempotencyConflict, Job, JobState, NewJob, Progress
 from service.jobs.places import JobPlaces
+from service.worker import internal_error
 
 WORKFLOW = "rivetplan_job"
 _LOOK_S = 0.25
@@ -182,7 +183,7 @@ def _id_of(new: NewJob) -> str:
 def _job(row: sa.RowMapping) -> Job:
     state, trouble = _state(row), None
     if state is JobState.FAILED:
-        trouble = Problem.model_validate_json(row["problem"]) if row["problem"] else gave_up()
+        trouble = _trouble(row)
     return Job(
         id=row["id"],
         kind=row["kind"],
@@ -202,6 +203,12 @@ def _job(row: sa.RowMapping) -> Job:
         problem=trouble,
         attempts=min(row["recovery_attempts"] or 0, ATTEMPTS),
     )
+
+
+def _trouble(row: sa.RowMapping) -> Problem:
+    if row["problem"]:
+        return Problem.model_validate_json(row["problem"])
+    return internal_error() if row["status"] == "ERROR" else gave_up()
 
 
 def gave_up() -> Problem:

@@ -76,7 +76,7 @@ class Server:
     def remove(self) -> None:
         """End it and remove its files."""
         if self._process is not None:
-            self.stop(signal.SIGINT)
+            self.stop(signal.SIGQUIT)  # nobody wants what it would still write
         shutil.rmtree(self._root)
 
     @property

@@ -56,8 +56,8 @@ def test_a_supervisor_starts_again_what_ends_and_leaves_nothing(tmp_path: Path) 
         os.kill(first, signal.SIGKILL)
         site.wait_for(lambda: supervisor.pids not in ([], [first]))
         assert supervisor.deaths == 1
-        lock = site.places.locks / f"{embedded_slots(1)[0]}.lock"
-        site.wait_for(lock.exists)
+        slot = embedded_slots(1)[0]
+        site.wait_for((site.places.locks / f"{slot}.lock").exists)
     finally:
         supervisor.stop()
         assert supervisor.pids == []
