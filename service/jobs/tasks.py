@@ -34,7 +34,7 @@ _UNLIMITED = Settings(
 )
 _JSON = JsonLimits(max_bytes=sys.maxsize)
 _PLANNED, _VERIFYING = 0.85, 0.15
-"""Shares of a program's time, measured on whole shells: the first die's pass stands for all planning, later
+"""Shares of a program's time, a rough estimate: the first die's pass stands for all planning, later
 passes have little left to do.
 """
 
