@@ -29,7 +29,7 @@ from planners.settings import PlannerSettings
 Measure = Callable[[Array], Array]
 """At configurations (N, n): what displacements there are measured by, (N, 3, n), as in `Corner.within`."""
 
-_FRACTIONS = (1.0, 0.4, 0.15)
+_FRACTIONS = (1.0, 0.7, 0.4, 0.2, 0.07)
 """Of the way to a neighbour that a waypoint is drawn."""
 _LEFT_OUT = 0.3
 """What the gain of leaving a waypoint out counts for, see `quickening`."""
@@ -65,9 +65,16 @@ class Blending(NamedTuple):
     size: Ints
 
 
+class Blended(NamedTuple):
+    """A path (N, n) smoothed for rounded corners, and how long it likely takes with them [s]."""
+
+    path: Array
+    duration: float
+
+
 def blended(
     detector: Detector, path: Array, settings: PlannerSettings, measure: Measure, deviation: float
-) -> Array:
+) -> Blended:
     """Return `path` (N, n), joined by certified segments, with waypoints moved or left out so that it takes
     less time when its corners are rounded by `deviation` at most; the ends stay. The detector's budget bounds
     the work. Raises InvalidSetting where an axis's acceleration or jerk has no limit.
@@ -83,7 +90,8 @@ def blended(
         blend(work, settings.smoothing_gain, settings.smoothing_refusals)
         path = work.path[: work.size[0]].copy()
         shares = shares_of(path, measure(path), settings.limits, deviation)
-    return path
+    work = begun(detector, path, settings, measure(path), shares, deviation)
+    return Blended(path, time_of(work, path, 0, len(path) - 1, 0))
 
 
 def begun(

@@ -36,7 +36,7 @@ from robots.tip_motion import tip_motions
 
 _PATIENT_GAIN, _PATIENT_REFUSALS, _PATIENT_DETECTIONS = 0.003, 30, 200
 """Of a program's last smoothing, see `PlannerSettings`: on hard links 8 % of their time for 0.4 ms each."""
-_ROUNDED_GAIN, _ROUNDED_REFUSALS, _ROUNDED_DETECTIONS = 0.003, 60, 400
+_ROUNDED_GAIN, _ROUNDED_REFUSALS, _ROUNDED_DETECTIONS = 0.0015, 120, 600
 """Of the one after it, where corners are rounded: 13 % of their time more."""
 
 LONG_LINK = 0.5
@@ -144,17 +144,23 @@ class LinkFinder:
         detector = Detector(space, settings.quickening_detections, stop)
         quick = quickened(detector, link.waypoints, settings)
         detector.raise_error()
-        return replace(link, waypoints=_as_programmed(self._for_corners(space, quick, stop)))
+        path = self._for_corners(space, [quick, link.waypoints], stop)
+        return replace(link, waypoints=_as_programmed(path))
 
-    def _for_corners(self, space: CertifiedSpace, path: Array, stop: Callable[[], bool]) -> Array:
-        """The path made quick for corners that are rounded, where they are going to be."""
+    def _for_corners(self, space: CertifiedSpace, paths: Sequence[Array], stop: Callable[[], bool]) -> Array:
+        """The first path; where corners are going to be rounded, the quickest that is made of any for that.
+
+        Made quick for stops a path has other waypoints, and some of them are in the way of rounding.
+        """
         corners, settings = self._cell.corner_space([]), self._for_blends
         if settings is None or self._deviation is None or corners is None:
-            return path
-        detector = Detector(space, settings.quickening_detections, stop)
-        quick = blended(detector, path, settings, partial(tip_motions, corners), self._deviation)
-        detector.raise_error()
-        return quick
+            return paths[0]
+        measure, found = partial(tip_motions, corners), []
+        for path in paths:
+            detector = Detector(space, settings.quickening_detections, stop)
+            found.append(blended(detector, path, settings, measure, self._deviation))
+            detector.raise_error()
+        return min(found, key=lambda each: each.duration).path
 
     def _is_long(self, start: Station, goal: Station) -> bool:
         return float(np.linalg.norm(goal.fastener.p - start.fastener.p)) > LONG_LINK

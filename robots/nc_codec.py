@@ -162,10 +162,27 @@ def _list_form(item: _Form) -> _Form:
         return tuple(items)
 
     return _Form(
-        lambda value: f"[{','.join(map(write, value))}]",
+        _remembering(lambda value: f"[{','.join(map(write, value))}]"),
         read,
-        lambda value: _same_if(value, tuple(map(nearest, value))),
+        _remembering(lambda value: _same_if(value, tuple(map(nearest, value)))),
     )
+
+
+def _remembering(change: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """`change`, which is not asked again about the list it was asked about last: thousands of process blocks,
+    one after the other, share their events, and those are half of what is written.
+    """
+    last: tuple[Any, Any] = (None, None)
+
+    def changed(value: Any) -> Any:
+        nonlocal last
+        known, result = last  # both at once: another thread may be here
+        if value is not known or type(value) is not tuple:
+            result = change(value)
+            last = value, result
+        return result
+
+    return changed
 
 
 def _row_form(items: tuple[_Form, ...]) -> _Form:

@@ -7,7 +7,7 @@ depends on its order.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -31,7 +31,8 @@ _BLOCK_STEP = 10
 class BlockWriter:
     """Collects the blocks of one program: `blocks`, `elapsed_us` and the time by kind, `spent_us`.
 
-    cells: gives the cell with a die, which certifies rounded corners; without it there are none.
+    cells: gives the cell with a die, which certifies rounded corners; without it there are none. refused: how
+    often the verifier has refused the corner at the end of a block, by its number.
     """
 
     def __init__(
@@ -41,8 +42,10 @@ class BlockWriter:
         first_die: str,
         timing: Timing | None = None,
         cells: Callable[[str], Cell] | None = None,
+        refused: Mapping[int, int] | None = None,
     ) -> None:
         self._machine, self._timing, self._cells = machine, timing or Timing(), cells
+        self._refused = refused or {}
         self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
         self._axes = NcAxes.of(machine.home)
         self._die_id = first_die
@@ -112,7 +115,12 @@ class BlockWriter:
         space = None
         if self._timing.law == "overlap" and self._cells and poses is not None and len(waypoints) > 1:
             space = self._cells(self._die_id).corner_space(poses)
-        for move in timed_moves(self._machine, self._timing, self._axes, waypoints, space, pace):
+        first = self._next_n()
+
+        def refused(corner: int) -> int:
+            return self._refused.get(first + _BLOCK_STEP * corner, 0)
+
+        for move in timed_moves(self._machine, self._timing, self._axes, waypoints, space, pace, refused):
             self._axes = move.axes
             block = NcBlock(
                 n=self._next_n(),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -62,15 +62,16 @@ def write_program(
     timing: Timing | None = None,
     cells: Callable[[str], Cell] | None = None,
     approach: Approach | None = None,
+    refused: Mapping[int, int] | None = None,
 ) -> NcProgram:
     """The program without clearances and certificate, with the numbers a reader of its file will see.
 
     timing: exact stops without it. cells: gives the cell with a die; without it no corner is rounded.
-    approach: what the links were planned with.
+    approach: what the links were planned with. refused: see `BlockWriter`.
     """
     timing = timing or Timing()
     used = [each.die_id for each in itinerary.passes]
-    writer = BlockWriter(machine, panel, used[0] if used else dies[0].id, timing, cells)
+    writer = BlockWriter(machine, panel, used[0] if used else dies[0].id, timing, cells, refused)
     writer.write(itinerary)
     fasteners = _fasteners(panel, itinerary, writer)
     program = rounded(

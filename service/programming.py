@@ -23,12 +23,12 @@ from robots.errors import InputProblem, InvalidInput
 from robots.escape_file import FamilyEscapes
 from robots.garbage import collection_put_off
 from robots.machine import Axis, Machine
-from robots.nc import NcProgram
+from robots.nc import NcHeader, NcProgram
 from robots.outline import Between, Outline
 from robots.panel import Panel
 from robots.previous import KeptPass, RecallingFinder
 from robots.riveter_search import Heuristics
-from robots.verify import certified
+from service.certifying import Write, certify
 from service.change import Change
 from service.crew import Crew, RunMemo, RunTask, Workplace
 from service.die_pass import Cancelled, Detours, Run
@@ -127,7 +127,7 @@ def program_panel(
         with statistics.phase("order"):
             workplace = Workplace(machine, panel, heuristics, seed, checker)
             candidates = Ordering(panel, dies, order, workplace.cell).candidates()
-    best: tuple[NcProgram, Itinerary, dict[str, list[Escape]]] | None = None
+    best: tuple[NcProgram, Itinerary, dict[str, list[Escape]], Write] | None = None
     for rounds in candidates:
         _unless_cancelled(stop)
         change = None if previous is None else Change(previous, header, timing)
@@ -151,21 +151,40 @@ def program_panel(
             )
         _unless_cancelled(stop)
         with statistics.phase("write"):
-            written = write_program(panel, machine, dies, itinerary, header, timing, cells, approach)
-            if change is not None:
-                written = change.told(written)
+            write = _writing(panel, machine, dies, itinerary, header, timing, cells, approach, change)
+            written = write({})
         if best is None or is_better(written, best[0]):
-            best = written, itinerary, found
+            best = written, itinerary, found, write
     if best is None:
         raise ValueError("there is no order to plan")
-    program, itinerary, found = best
+    program, itinerary, found, write = best
     statistics.links = tuple((leaves, leads, link.result) for leaves, leads, link in itinerary.named_links())
     _unless_cancelled(stop)
     with statistics.phase("verify"):
         tell(ProgressEvent("verify", 0, len(program.blocks)))
-        program = certified(program, panel, machine)
+        program = certify(program, panel, machine, write)
         tell(ProgressEvent("verify", len(program.blocks), len(program.blocks)))
     return ProgrammedPanel(program, statistics, known.with_found(found))
+
+
+def _writing(
+    panel: Panel,
+    machine: Machine,
+    dies: Sequence[Die],
+    itinerary: Itinerary,
+    header: NcHeader,
+    timing: Timing | None,
+    cells: Callable[[str], Cell],
+    approach: Approach | None,
+    change: Change | None,
+) -> Write:
+    """What writes an itinerary down as a program."""
+
+    def write(refused: Mapping[int, int]) -> NcProgram:
+        written = write_program(panel, machine, dies, itinerary, header, timing, cells, approach, refused)
+        return written if change is None else change.told(written)
+
+    return write
 
 
 def _unless_cancelled(stop: Callable[[], bool]) -> None:

@@ -3,14 +3,16 @@ are rounded.
 
 Limits are rounded first and timed afterwards. A corner is rounded as much as the law, the deviation asked for
 and the clearances allow: what cannot be certified in full is tried with half of the overlap, a few times, and
-is an exact stop in the end.
+is an exact stop in the end. What the verifier refuses all the same, because its bound of the deviation is
+another, is stated with the whole deviation asked for when it is written again, and stops if that is not
+enough.
 """
 
 from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -41,6 +43,8 @@ _RESERVE = 5e-5
 _GENEROUS = 3e-4
 """[m] Stated beyond what was found, where there is room: the less a corner deviates, the longer is the way on
 which the verifier's bound has to hold."""
+_STATED_IN_FULL, _STOPPED = 1, 2
+"""What is done about a corner that was refused so often."""
 _SAME_MM = 1e-4  # of a deviation in a program's text
 _LEAST_PACE = 0.01  # of what the axes allow: no easing asks for less
 
@@ -104,6 +108,11 @@ class CornerSpace(Tips, Protocol):
         ...
 
 
+def never_refused(_corner: int) -> int:
+    """No corner was refused before."""
+    return 0
+
+
 def timed_moves(
     machine: Machine,
     timing: Timing,
@@ -111,11 +120,13 @@ def timed_moves(
     waypoints: Sequence[Array],
     space: CornerSpace | None,
     pace: Sequence[PathLimits] | None = None,
+    refused: Callable[[int], int] = never_refused,
 ) -> list[TimedMove]:
     """Time the way from `start` through `waypoints`; places where the machine stands already are left out.
 
     space: certifies its corners; without one they are exact stops. pace: limits of the blocks when corners of
-    this way were rounded before, taken again where the axes allow them.
+    this way were rounded before, taken again where the axes allow them. refused: how often the verifier has
+    refused the corner after a move, counted from 0.
     """
     stops = [start]
     for axes in map(NcAxes.of, waypoints):
@@ -132,12 +143,12 @@ def timed_moves(
         return moves
     if pace is not None and _is_kept(pace, moves):
         again = [_move(move.axes, limits, law) for move, limits in zip(moves, pace, strict=True)]
-        return _rounded(machine, timing.deviation, again, np.array(q), space)
+        return _rounded(machine, timing.deviation, again, np.array(q), space, refused)
     path, deviation = np.array(q), timing.deviation
     eased = _eased(machine, deviation - _RESERVE, moves, path, space)
     ways = [moves] if eased == moves else [moves, eased]
     # What is not certified gains nothing of what it was eased for.
-    return min((_rounded(machine, deviation, way, path, space) for way in ways), key=_time_of)
+    return min((_rounded(machine, deviation, way, path, space, refused) for way in ways), key=_time_of)
 
 
 def _eased(
@@ -185,19 +196,27 @@ def _time_of(moves: Sequence[TimedMove]) -> int:
 
 
 def _rounded(
-    machine: Machine, deviation: float, moves: Sequence[TimedMove], q: Array, space: CornerSpace
+    machine: Machine,
+    deviation: float,
+    moves: Sequence[TimedMove],
+    q: Array,
+    space: CornerSpace,
+    refused: Callable[[int], int],
 ) -> list[TimedMove]:
     """The moves, overlapping where they may."""
     moves = list(moves)
     limits = np.array([machine.v_max, machine.a_max, machine.j_max])
     for i in range(len(moves) - 1):
+        if refused(i) >= _STOPPED:
+            continue
         one, two = moves[i], moves[i + 1]
         first, second = rest_to_rest(one.limits), rest_to_rest(two.limits)
         d1, d2 = q[i + 1] - q[i], q[i + 2] - q[i + 1]
         corner = Corner(first, second, d1, d2, limits, one.duration_us / MICRO - first.duration)
         overlap_us, away = _certified(corner, q[i + 1], deviation, space)
         if overlap_us:
-            blend = NcBlend(overlap_us / MICRO, math.ceil(away * 1e7) / 1e4)
+            stated = deviation if refused(i) == _STATED_IN_FULL else away
+            blend = NcBlend(overlap_us / MICRO, math.ceil(stated * 1e7) / 1e4)
             moves[i] = replace(one, law="overlap", blend=blend, overlap_us=overlap_us)
             moves[i + 1] = replace(two, law="overlap")
     return moves

@@ -12,8 +12,9 @@ from pathlib import Path
 from robots.cell import Cell
 from robots.machine import Machine
 from robots.machine_file import load_machine
+from robots.nc_blend import DEVIATION_MM
 from robots.panel_file import load_panel
-from tests.benchmarks import comparison, growth, peers, rivals, whole
+from tests.benchmarks import comparison, growth, laws, peers, rivals, whole
 from tests.benchmarks.corpus import LinkGroup, corpus, counted, example
 from tests.benchmarks.hard_links import (
     COLUMNS,
@@ -41,8 +42,8 @@ class Sample:
     panels: of the comparison. crossed: the panel of the paper's table, with `per_kind` links across members
     of each kind and die; of these `across` in the comparison. per_program: hard, and as many direct, links
     of each program. seeds: of ours and of the planner they are judged by; slow_seeds: of the others. panel:
-    planned as a whole. members: (stringers, frames) of the panels of one growth curve; fasteners: sizes of
-    the other.
+    planned as a whole; law_seeds: of its links by every timing law. members: (stringers, frames) of the
+    panels of one growth curve; fasteners: sizes of the other.
     """
 
     panels: tuple[str, ...]
@@ -53,6 +54,7 @@ class Sample:
     seeds: int
     slow_seeds: int
     panel: str
+    law_seeds: int
     members: tuple[tuple[int, int], ...]
     fasteners: tuple[int, ...]
 
@@ -66,6 +68,7 @@ FULL = Sample(
     seeds=5,
     slow_seeds=1,
     panel=SHELL,
+    law_seeds=3,
     members=((1, 0), (2, 0), (3, 1), (5, 1), (7, 3), (9, 5), (13, 9), (13, 15)),
     fasteners=(100, 300, 1_000, 3_000, 10_000),
 )
@@ -78,6 +81,7 @@ QUICK = Sample(
     seeds=1,
     slow_seeds=1,
     panel="wing",
+    law_seeds=1,
     members=((1, 0), (3, 1), (7, 3)),
     fasteners=(100, 300),
 )
@@ -95,6 +99,7 @@ def main() -> None:
     begin, machine = time.perf_counter(), load_machine("riveter")
     made: dict[str, object] = {"sample": sample, "seed": SEED, "host": _host()}
     made["whole"] = _whole_panels(sample, machine)
+    made["laws"] = _laws(sample, machine)
     crossings = _crossings(sample, machine)
     made["paper"] = _paper(crossings)
     made["comparison"] = _comparison(sample, machine, crossings)
@@ -127,6 +132,15 @@ def _whole_panels(sample: Sample, machine: Machine) -> dict[str, object]:
     again = whole.replanned_seconds(example("crossing"), machine, SEED)
     print(f"crossing planned again in a warm process, certificate included: {1e3 * again:.0f} ms (median)")
     return {"command_line": on_disk, "panels": panels, "crossing_again_seconds": again}
+
+
+def _laws(sample: Sample, machine: Machine) -> list[laws.SearchedLinks]:
+    _title(f"Searched links of {sample.panel} by timing law [s], corners within {DEVIATION_MM:g} mm")
+    panel = example(sample.panel)
+    found = [laws.searched_links(panel, machine, seed) for seed in range(sample.law_seeds)]
+    print(laws.laws_table(found))
+    print("time_optimal: the bound along the way of overlap, its jerk not bounded")
+    return found
 
 
 def _crossings(sample: Sample, machine: Machine) -> dict[str, tuple[Cell, list[HardLink]]]:

@@ -59,7 +59,7 @@ def test_a_blended_path_is_certified_keeps_its_ends_and_is_not_slower(seed: int)
     space, path = plane(SCENES["u_trap"]), random_path(seed)
     before = path.tobytes()
 
-    quick = blended(Detector(space, 10_000), path, SETTINGS, measure, DEVIATION)
+    quick = blended(Detector(space, 10_000), path, SETTINGS, measure, DEVIATION).path
 
     assert is_certified(space, quick)
     assert np.array_equal(quick[[0, -1]], [START, GOAL])
@@ -67,18 +67,25 @@ def test_a_blended_path_is_certified_keeps_its_ends_and_is_not_slower(seed: int)
     assert path.tobytes() == before
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_it_tells_how_long_the_path_takes(seed: int) -> None:
+    found = blended(Detector(plane(SCENES["u_trap"]), 500), random_path(seed), SETTINGS, measure, DEVIATION)
+
+    assert found.duration == pytest.approx(rounded_time(found.path), rel=0.05)  # by a coarser ladder
+
+
 def test_it_gains_what_smoothing_for_stops_leaves() -> None:
     gains = []
     for seed in range(8):
         path = random_path(seed)
-        quick = blended(Detector(plane(SCENES["u_trap"]), 10_000), path, SETTINGS, measure, DEVIATION)
+        quick = blended(Detector(plane(SCENES["u_trap"]), 10_000), path, SETTINGS, measure, DEVIATION).path
         gains.append(1.0 - rounded_time(quick) / rounded_time(path))
 
     assert np.mean(gains) > 0.02
 
 
 def test_a_depth_that_costs_time_is_drawn_up() -> None:
-    quick = blended(Detector(plane(CEILING), 10_000), DEEP, SETTINGS, measure, DEVIATION)
+    quick = blended(Detector(plane(CEILING), 10_000), DEEP, SETTINGS, measure, DEVIATION).path
 
     assert rounded_time(quick) < 0.8 * rounded_time(DEEP)
     assert quick[:, 1].min() > -2.0  # the ceiling reaches down to -1
@@ -124,7 +131,7 @@ def test_gains_are_what_the_whole_path_gains() -> None:
         path = DEEP.copy()
         last, axes = i + alike, list(set(work.choices[choice].tolist()))
         way = DEEP[i - 1] - DEEP[i] if side == 0 else DEEP[last + 1] - DEEP[last]
-        path[i : last + 1, axes] += (1.0, 0.4, 0.15)[fraction] * way[axes]
+        path[i : last + 1, axes] += (1.0, 0.7, 0.4, 0.2, 0.07)[fraction] * way[axes]
         gain = whole - time_of(work, path, 0, 4, 0)
         assert work.drawn[i, alike, choice, side, fraction] == pytest.approx(gain, abs=1e-9)
 
@@ -133,7 +140,7 @@ def test_the_budget_bounds_the_work_and_the_answer_is_always_the_same() -> None:
     for budget in (0, 1, 5, 50):
         space = plane(CEILING)
         quick, again = (
-            blended(Detector(space, budget), DEEP, SETTINGS, measure, DEVIATION) for _ in range(2)
+            blended(Detector(space, budget), DEEP, SETTINGS, measure, DEVIATION).path for _ in range(2)
         )
         assert space.asked <= 2 * budget
         assert quick.tobytes() == again.tobytes()
@@ -144,7 +151,7 @@ def test_the_budget_bounds_the_work_and_the_answer_is_always_the_same() -> None:
 def test_waypoints_where_the_one_before_is_are_left_out() -> None:
     twice = np.repeat(DEEP, 2, axis=0)
 
-    quick = blended(Detector(plane(CEILING), 0), twice, SETTINGS, measure, DEVIATION)
+    quick = blended(Detector(plane(CEILING), 0), twice, SETTINGS, measure, DEVIATION).path
 
     assert np.array_equal(quick, DEEP)
 
