@@ -27,6 +27,7 @@ from robots.errors import InputProblem, InvalidInput, shown
 from robots.nc_numbers import MAX_NUMBER, Decimals, DecimalsDown, SignificantDown
 from robots.strict_json import parse_document, pointer_to
 
+_SHORT = 64  # entries: a whole program's blocks must not be kept alive for being written twice
 _MAX_PROBLEMS = 200  # a file of another kind entirely must not give a megabyte of messages
 
 
@@ -169,16 +170,18 @@ def _list_form(item: _Form) -> _Form:
 
 
 def _remembering(change: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """`change`, which is not asked again about the list it was asked about last: thousands of process blocks,
-    one after the other, share their events, and those are half of what is written.
+    """`change`, which is not asked again about the short list it was asked about last: thousands of process
+    blocks, one after the other, share their events, and those are half of what is written.
     """
     last: tuple[Any, Any] = (None, None)
 
     def changed(value: Any) -> Any:
         nonlocal last
         known, result = last  # both at once: another thread may be here
-        if value is not known or type(value) is not tuple:
-            result = change(value)
+        if value is known and type(value) is tuple:
+            return result
+        result = change(value)
+        if len(value) <= _SHORT:
             last = value, result
         return result
 

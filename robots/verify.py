@@ -20,7 +20,8 @@ from planners.arrays import Array
 from robots.machine import Machine
 from robots.nc import Certificate, Finding, NcBlock, NcChecker, NcClearance, NcMinClearance, NcProgram
 from robots.nc_codec import Decimals, DecimalsDown
-from robots.nc_json import program_sha256, rounded, rounded_certificate, with_certificate
+from robots.nc_digits import as_written
+from robots.nc_json import program_sha256, rounded_certificate, with_certificate
 from robots.panel import Panel
 from robots.proof.items import SHARPNESS
 from robots.proof.layout import Ints
@@ -56,7 +57,7 @@ def verify(program: NcProgram, panel: Panel, machine: Machine) -> Certificate:
 
 def certified(program: NcProgram, panel: Panel, machine: Machine) -> NcProgram:
     """Examine a program once, write its blocks' clearances and its certificate into it."""
-    program = replace(rounded(program), verification=None)
+    program = replace(as_written(program), verification=None)
     examination = examine(program, panel, machine)
     blocks = tuple(
         replace(block, clearance=clearance)
