@@ -346,7 +346,7 @@ def _same_flag(value: Any) -> Any:
     raise _Unreadable
 
 
-_TEXT = _Form(json.JSONEncoder().encode, _read_text, _same_text)
+_TEXT = _Form(json.encoder.encode_basestring_ascii, _read_text, _same_text)
 _INTEGER = _Form(lambda value: str(int(value)), _read_integer, _same_integer)
 _FLAG = _Form(lambda value: json.dumps(bool(value)), _read_flag, _same_flag)
 
