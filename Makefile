@@ -1,6 +1,6 @@
 # Needs Python 3.11 or newer and make. Everything is installed into .venv; nothing else on the machine is touched.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-long bench bench-quick lint format serve openapi lock clean
+.PHONY: help setup demo test test-long contract bench bench-quick lint format serve openapi openapi-release lock clean
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -14,7 +14,7 @@ help: ## list the commands
 
 setup: .venv/installed ## create .venv from the lock file and install rivetplan into it
 
-demo: setup ## plan and verify the A320 shell into out/, then post a small panel to the service
+demo: setup ## an A320 shell as a job of the service, verified from its file, and a small panel at once
 	@$(BIN)/python -m service.demo
 
 test: lint ## lint and the tests that are not marked long
@@ -22,6 +22,12 @@ test: lint ## lint and the tests that are not marked long
 
 test-long: setup ## the tests that take minutes
 	$(BIN)/python -m pytest -q -m long
+
+contract: setup ## what an MES does, asked of a deployment: make contract URL=http://... [KEY=rvp_...]
+	@test -n "$(URL)" || { echo "URL is missing: make contract URL=http://127.0.0.1:8000 [KEY=rvp_...]" >&2; exit 2; }
+	@RIVETPLAN_URL="$(URL)" RIVETPLAN_KEY="$(KEY)" $(BIN)/python -m pytest -q -p no:cacheprovider \
+		-o log_cli=true -o log_cli_level=INFO -o log_cli_format="  %(message)s" --no-header \
+		tests/contract/test_deployment.py
 
 bench: .venv/bench ## every table: ours beside OMPL and the paper, whole shell, growth (about 20 minutes)
 	@$(BIN)/python -m tests.benchmarks
@@ -42,8 +48,11 @@ format: setup ## format the code and mend what ruff can mend
 serve: setup ## start the HTTP service on http://127.0.0.1:8000
 	$(BIN)/rivetplan serve
 
-openapi: setup ## write openapi/openapi.json anew
+openapi: setup ## write openapi/*.json, the contract, anew
 	$(BIN)/python -m service.openapi
+
+openapi-release: setup ## the same, and later changes are judged against it: for a release
+	$(BIN)/python -m service.openapi --release
 
 lock: ## resolve the dependencies anew (needs uv)
 	uv pip compile pyproject.toml $(LOCK) -o requirements.lock
@@ -51,7 +60,7 @@ lock: ## resolve the dependencies anew (needs uv)
 	uv pip compile pyproject.toml --extra bench $(LOCK) -c requirements.lock -o requirements-bench.lock
 
 clean: ## remove .venv, caches and out/
-	rm -rf .venv out build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf .venv out build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis .schemathesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 .venv/locked: requirements-dev.lock

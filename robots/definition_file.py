@@ -34,6 +34,11 @@ class Strict(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+def whole(value: object) -> object:
+    """Let 3.0 be the integer 3, as JSON Schema does."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
 def meters(mm: float) -> float:
     """[mm] -> [m]."""
     return mm / 1000.0

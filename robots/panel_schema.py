@@ -11,10 +11,10 @@ from __future__ import annotations
 import unicodedata
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
-from robots.definition_file import SchemaVersion, Strict
+from robots.definition_file import SchemaVersion, Strict, whole
 from robots.sections import Profile
 
 
@@ -212,10 +212,10 @@ class RowDefinition(Strict):
     id: Name
     members: Annotated[list[Name], Field(min_length=1)]
     pitch_mm: Pitch | None = None
-    count: Annotated[int, Field(ge=1, le=20_000)] | None = None
+    count: Annotated[int, Field(ge=1, le=20_000), BeforeValidator(whole)] | None = None
     start_mm: Margin | None = Field(default=None, description="null: twice the diameter")
     end_mm: Margin | None = Field(default=None, description="null: twice the diameter")
-    line: Annotated[int, Field(ge=0, le=1)] = 0
+    line: Annotated[int, Field(ge=0, le=1), BeforeValidator(whole)] = 0
     direction: Direction | None = Field(default=None, description="doublers and straps only")
     offset_mm: Coordinate | None = Field(
         default=None, description="doublers and straps only: from their middle"
@@ -252,7 +252,9 @@ class PanelDefinition(Strict):
     skin: SkinDefinition
     sag_mm: Annotated[float, Field(ge=0.0, le=20.0, description="own shape uncertainty")] = 0.0
     mounting: MountingDefinition = MountingDefinition()
-    sections: dict[Name, SectionDefinition] = Field(default={})
+    sections: dict[Name, SectionDefinition] = Field(
+        default={}, json_schema_extra={"additionalProperties": False}
+    )
     doublers: list[PlateDefinition] = Field(default=[])
     straps: list[PlateDefinition] = Field(default=[])
     stringers: list[StringerDefinition] = Field(default=[])

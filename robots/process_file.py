@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from robots.definition_file import (
     Name,
@@ -16,6 +16,7 @@ from robots.definition_file import (
     meters,
     read_definition,
     select_names,
+    whole,
 )
 from robots.errors import InputProblem
 from robots.processes import (
@@ -63,7 +64,7 @@ class ProcessFile(Strict):
     """One process template."""
 
     id: Name
-    revision: Annotated[int, Field(ge=1, le=1_000_000)]
+    revision: Annotated[int, Field(ge=1, le=1_000_000), BeforeValidator(whole)]
     title: Text
     source: Text
     steps: Annotated[list[ProcessStepFile], Field(min_length=2, max_length=64)]

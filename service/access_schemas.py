@@ -4,7 +4,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, Field
 
-from service.schemas import Name, PanelDocument, Strict, whole
+from service.job_schemas import Deferrable
+from service.schemas import Name, PanelDocument, whole
 
 AccessStatus = Literal["direct", "rotated", "other_die", "inaccessible"]
 AccessClass = Literal["accessible", "modify_tool", "crowded"]
@@ -15,7 +16,7 @@ RemedyKind = Literal["other_die", "tilt", "move_fastener", "shift_clip", "lower_
 Percent = Annotated[float | None, Field(description="accessible of total; null without fasteners")]
 
 
-class AccessibilityRequest(Strict):
+class AccessibilityRequest(Deferrable):
     """Which fasteners of a panel the machine reaches is wanted."""
 
     panel: PanelDocument

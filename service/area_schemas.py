@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Discriminator, Field, Tag
 
 from robots.panel_schema import SectionDefinition
+from service.job_schemas import Deferrable
 from service.schemas import Strict
 
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9][A-Za-z0-9_.\-]*$")]
@@ -169,7 +170,7 @@ class SolidSpace(FlatSpace):
     height_mm: Size | None = Field(default=None, description="over the skin; null: open above")
 
 
-class AreaRequest(Strict):
+class AreaRequest(Deferrable):
     """The accessibility of rivets in the plane is wanted."""
 
     part: FlatPart | None = Field(default=None, description="needed for rows by size")
@@ -180,7 +181,7 @@ class AreaRequest(Strict):
     space: FlatSpace | None = Field(default=None, description="null: not limited")
 
 
-class VolumeRequest(Strict):
+class VolumeRequest(Deferrable):
     """The accessibility of rivets in space is wanted."""
 
     part: SolidPart

@@ -2,7 +2,8 @@
 
 Exit codes: 0 done (also where a program refuses some fasteners with a reason), 1 a check found fasteners out
 of reach, a program was rejected by the verifier, a text differs from its program, a pattern or a tool does
-not fit or a calibration is beyond its tolerance, 2 the input cannot be used.
+not fit, a calibration is beyond its tolerance or a file of a batch has no clean program, 2 the input cannot
+be used, 130 a batch was interrupted.
 """
 
 import errno
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from service import __version__, cli_keys, cli_service, cli_tools
+from service import __version__, cli_batch, cli_keys, cli_service, cli_tools
 from service.exits import REJECTED, UNUSABLE, or_exit
 from service.options import (
     AnswerOption,
@@ -311,6 +312,7 @@ def check(
 
 
 cli_tools.register(app)
+cli_batch.register(app)
 cli_service.register(app)
 cli_keys.register(app)
 

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from service.exits import or_exit
+from service.logs import ENVIRONMENT, LogFormat
 
 DataOption = Annotated[
     Path | None,
@@ -14,6 +15,10 @@ DataOption = Annotated[
 ]
 RetentionOption = Annotated[
     float, typer.Option(min=1.0, help="After how many days finished jobs are removed.")
+]
+LogFormatOption = Annotated[
+    LogFormat,
+    typer.Option(envvar=ENVIRONMENT, help="Lines of the log: for people, or an object of JSON each."),
 ]
 
 
@@ -57,6 +62,7 @@ def serve(
     requests_per_s: Annotated[
         float, typer.Option(min=0.1, help="Requests that one caller may send [1/s].")
     ] = 200.0,
+    log_format: LogFormatOption = LogFormat.TEXT,
 ) -> None:
     """Serve the HTTP API until interrupted, with workers for its jobs."""
     from service.commands import serve as command
@@ -72,7 +78,17 @@ def serve(
         )
     )
     settings = Settings(max_sync_fasteners=max_fasteners, workers=processes, security=security)
-    or_exit(lambda: command.serve(host, port, settings, data=where, workers=workers, retention_days=days))
+    or_exit(
+        lambda: command.serve(
+            host,
+            port,
+            settings,
+            data=where,
+            workers=workers,
+            retention_days=days,
+            log_format=log_format,
+        )
+    )
 
 
 def worker(
@@ -81,6 +97,7 @@ def worker(
     ],
     data: DataOption = None,
     retention_days: RetentionOption = 30.0,
+    log_format: LogFormatOption = LogFormat.TEXT,
     embedded: Annotated[
         bool, typer.Option("--embedded", help="End when standard input does.", hidden=True)
     ] = False,
@@ -89,7 +106,7 @@ def worker(
     from service.commands import worker as command
 
     where, days = data_directory(data), retention_days
-    or_exit(lambda: command.work(slot, where, retention_days=days, embedded=embedded))
+    or_exit(lambda: command.work(slot, where, retention_days=days, embedded=embedded, log_format=log_format))
 
 
 def data_directory(data: Path | None) -> Path:

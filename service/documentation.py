@@ -13,6 +13,7 @@ from service.access_schemas import PanelAccessibility
 from service.area_schemas import AccessibilityAreas, AccessibilityVolumes
 from service.errors import KINDS, MEDIA_TYPE, Problem
 from service.free_volume_schemas import FreeVolumeAnswer
+from service.job_schemas import JobView
 from service.pattern_schemas import RivetPattern
 from service.schemas import Motion
 from service.security.scopes import needed_scope
@@ -23,6 +24,7 @@ _OTHERS = (
     ("AccessibilityAreas", AccessibilityAreas),
     ("AccessibilityVolumes", AccessibilityVolumes),
     ("FreeVolume", FreeVolumeAnswer),
+    ("JobView", JobView),
     ("RivetPattern", RivetPattern),
     ("Verification", Verification),
 )
@@ -51,9 +53,15 @@ def problems(*statuses: int) -> Responses:
 
 def answer(status: int, schema: str) -> Responses:
     """Return the documented success of a route that answers with finished bytes."""
-    etag = {"description": "sha256 of the content, quoted", "schema": {"type": "string"}}
+    form = {"type": "string", "pattern": '^"[0-9a-f]{64}"$'}
+    etag = {"description": "sha256 of the content, quoted", "required": True, "schema": form}
     content = {"application/json": {"schema": {"$ref": _REF.format(model=schema)}}}
     return {status: {"description": f"the {schema.lower()}", "headers": {"ETag": etag}, "content": content}}
+
+
+def model_reference(name: str) -> dict[str, str]:
+    """Return what refers to a schema of the document."""
+    return {"$ref": _REF.format(model=name)}
 
 
 def describe(app: FastAPI) -> dict[str, Any]:
@@ -103,7 +111,7 @@ def _problem_response(status: int) -> dict[str, Any]:
         "description": " or ".join(f"`{code}`" for code in codes),
         "content": {MEDIA_TYPE: {"schema": {"$ref": _REF.format(model="Problem")}}},
     }
-    if status in (401, 405, 429):
-        header = {401: "WWW-Authenticate", 405: "Allow", 429: "Retry-After"}[status]
-        response["headers"] = {header: {"schema": {"type": "string"}}}
+    if status in (401, 405, 429, 503):
+        header = {401: "WWW-Authenticate", 405: "Allow"}.get(status, "Retry-After")
+        response["headers"] = {header: {"required": True, "schema": {"type": "string"}}}
     return response

@@ -2,21 +2,32 @@
 
 import asyncio
 import logging
-from typing import Protocol
+import time
+from collections.abc import Callable
+from contextvars import copy_context
+from typing import Protocol, TypeVar
 
 from service.access_schemas import AccessibilityRequest
 from service.answers import Answer
 from service.area_schemas import AreaRequest, VolumeRequest
+from service.engine_crew import Crew, NobodyComes
 from service.errors import Problem, ProblemError, problem
+from service.figures import Figures
 from service.free_volume_schemas import FreeVolumeRequest
 from service.pattern_schemas import RivetPatternRequest
 from service.schemas import MotionRequest, ProgramRequest, Strict
 from service.settings import Settings
+from service.strict_json import JsonLimits
 from service.verification_schemas import VerificationRequest
 from service.worker import Worker, WorkerLost
 
+M = TypeVar("M", bound=Strict)
 _LOG = logging.getLogger("rivetplan.service")
 _AGAIN = "Send it again: another process takes over. If it ends as well, report the panel."
+
+
+_SHORT = frozenset({"motion", "rivet_pattern"})
+"""Tasks of milliseconds, whose clients are people at a screen or a cell that waits."""
 
 
 class Engine(Protocol):
@@ -25,6 +36,10 @@ class Engine(Protocol):
     @property
     def ready(self) -> bool:
         """Whether a request would be computed, now or after waiting its turn."""
+        ...
+
+    async def read(self, model: type[M], text: bytes, limits: JsonLimits) -> M:
+        """Return the request in a big JSON text, folded."""
         ...
 
     async def start(self) -> None:
@@ -69,31 +84,52 @@ class Engine(Protocol):
         """Return what the verifier finds of a program."""
         ...
 
+    async def program_text(self, file: str, form: str) -> Answer:
+        """Return the program in a file in another form, see `service.program_text`."""
+        ...
+
 
 class ProcessEngine:
-    """An engine of `settings.workers` child processes; a process that dies or takes too long is replaced."""
+    """An engine of child processes; a process that dies or takes too long is replaced."""
 
     def __init__(self, settings: Settings, tasks: str = "service.tasks") -> None:
         self._settings = settings
-        self._tasks = tasks
-        self._idle: asyncio.Queue[Worker | None] = asyncio.Queue()  # None: there is nobody left to wait for
-        self._workers: set[Worker] = set()
-        self._starting: set[asyncio.Task[None]] = set()
-        self._waiting = 0
+        self._crew = Crew(settings.workers, tasks)
+        self.observe: Callable[[str, float, Figures | None], None] = _unobserved
 
     @property
     def ready(self) -> bool:
-        return len(self._workers) > len(self._starting)
+        return self._crew.ready > 0
+
+    @property
+    def ready_processes(self) -> int:
+        """Processes that compute or could."""
+        return self._crew.ready
+
+    @property
+    def deaths(self) -> int:
+        """Processes that ended by themselves."""
+        return self._crew.deaths
+
+    @property
+    def waiting(self) -> int:
+        """Requests that wait for a process."""
+        return self._crew.waiting(is_short=True) + self._crew.waiting(is_short=False)
 
     async def start(self) -> None:
-        for _ in range(self._settings.workers):
-            self._add_worker()
+        self._crew.start()
 
     async def close(self) -> None:
-        ending, self._workers = self._workers, set()
-        for worker in ending:
-            worker.end()
-        await asyncio.gather(*self._starting)
+        await self._crew.close()
+
+    def abandon(self) -> None:
+        """End what is computed; who waits for it is told that the service ends."""
+        self._crew.abandon()
+
+    async def read(self, model: type[M], text: bytes, limits: JsonLimits) -> M:
+        request = await self._outcome("read", model, text, limits)
+        assert isinstance(request, model), request
+        return request
 
     async def program(self, request: ProgramRequest) -> Answer:
         return await self._compute("program", request)
@@ -122,95 +158,63 @@ class ProcessEngine:
     async def verification(self, request: VerificationRequest) -> Answer:
         return await self._compute("verification", request)
 
-    async def _compute(self, task: str, request: Strict) -> Answer:
-        worker = await self._turn()
-        limit_s = self._settings.time_limit_s
+    async def program_text(self, file: str, form: str) -> Answer:
+        return await self._compute("program_text", file, form)
+
+    async def _compute(self, task: str, *arguments: object) -> Answer:
+        answer = await self._outcome(task, *arguments)
+        assert isinstance(answer, Answer), answer
+        return answer
+
+    async def _outcome(self, task: str, *arguments: object) -> object:
+        worker = await self._turn(is_short=task in _SHORT)
+        limit_s, begun, call = self._settings.time_limit_s, time.perf_counter(), copy_context().run
         try:
             async with asyncio.timeout(limit_s):
-                outcome = await asyncio.to_thread(worker.call, task, request, self._settings)
-        except TimeoutError:
-            self._replace(worker)
-            raise ProblemError(
-                problem(
-                    "time_limit_exceeded",
-                    f"No answer within {limit_s:g} s.",
-                    remedy="Ask for less, or use `rivetplan` on the command line.",
+                outcome = await self._crew.in_thread(
+                    lambda: call(worker.call, task, *arguments, self._settings)
                 )
-            ) from None
+        except TimeoutError:
+            self._crew.replace(worker)
+            detail, remedy = f"No answer within {limit_s:g} s.", "Ask for less, or for a job."
+            raise ProblemError(problem("time_limit_exceeded", detail, remedy=remedy)) from None
         except WorkerLost:
-            self._replace(worker)
-            _LOG.error("a worker process ended while it computed a %s", task)
+            if self._crew.is_closing:
+                raise _not_ready("The service ends.") from None
+            self._crew.replace(worker)
+            _LOG.error("a process of the engine ended while it computed a %s", task)
             raise ProblemError(
                 problem("worker_lost", "The process that computed this request ended.", remedy=_AGAIN)
             ) from None
         except asyncio.CancelledError:  # the client has gone
-            self._replace(worker)
+            self._crew.replace(worker)
             raise
-        self._idle.put_nowait(worker)
-        return _answer(outcome)
+        self._crew.give_back(worker)
+        if isinstance(outcome, Problem):
+            raise ProblemError(outcome)
+        figures = outcome.figures if isinstance(outcome, Answer) else None
+        self.observe(task, time.perf_counter() - begun, figures)
+        return outcome
 
-    async def _turn(self) -> Worker:
-        """Wait for an idle worker; refuse at once where there is none to wait for or the queue is full."""
-        if not self._workers:
-            raise _not_ready()
-        if self._idle.empty() and self._waiting >= self._settings.max_waiting:
-            raise ProblemError(
-                problem(
-                    "queue_full",
-                    "Too many requests wait.",
-                    count=self._waiting,
-                    limit=self._settings.max_waiting,
-                    remedy=f"Send it again in {self._settings.retry_after_s} s.",
-                ),
-                {"Retry-After": str(self._settings.retry_after_s)},
-            )
-        self._waiting += 1
+    async def _turn(self, *, is_short: bool) -> Worker:
+        """Wait for a process; refuse at once where there is none to wait for or too many wait."""
+        count = self._crew.waiting(is_short=is_short)
+        most = self._settings.max_waiting_short if is_short else self._settings.max_waiting
+        if count >= most and self._crew.is_full(is_short=is_short):
+            remedy = f"Send it again in {self._settings.retry_after_s} s."
+            found = problem("queue_full", "Too many requests wait.", count=count, limit=most, remedy=remedy)
+            raise ProblemError(found, {"Retry-After": str(self._settings.retry_after_s)})
         try:
-            worker = await self._idle.get()
-            while worker is not None and not worker.is_alive:  # it ended while nobody needed it
-                _LOG.error("an idle worker process ended")
-                self._replace(worker)
-                worker = await self._idle.get()
-        finally:
-            self._waiting -= 1
-        if worker is None:
-            raise _not_ready()
-        return worker
-
-    def _add_worker(self) -> None:
-        worker = Worker(self._tasks)
-        self._workers.add(worker)
-        task = asyncio.create_task(self._introduce(worker))
-        self._starting.add(task)
-        task.add_done_callback(self._starting.discard)
-
-    async def _introduce(self, worker: Worker) -> None:
-        """Let a new worker wait for calls once it is ready; one that never is, is not tried again."""
-        try:
-            await asyncio.to_thread(worker.wait_until_ready)
-        except WorkerLost:
-            if worker in self._workers:
-                self._workers.discard(worker)
-                _LOG.error("a worker process could not start")
-            if not self._workers:
-                for _ in range(self._waiting):
-                    self._idle.put_nowait(None)
-        else:
-            self._idle.put_nowait(worker)
-
-    def _replace(self, worker: Worker) -> None:
-        if worker in self._workers:  # not while closing
-            self._workers.discard(worker)
-            worker.end()
-            self._add_worker()
+            return await self._crew.turn(is_short=is_short)
+        except NobodyComes:
+            if self._crew.is_closing:
+                raise _not_ready("The service ends.") from None
+            raise _not_ready("No process could start; the log says why.") from None
 
 
-def _not_ready() -> ProblemError:
-    return ProblemError(problem("not_ready", "No worker process could be started; the log says why."))
+def _not_ready(why: str) -> ProblemError:
+    return ProblemError(problem("not_ready", why, remedy="Send it again in a while."))
 
 
-def _answer(outcome: object) -> Answer:
-    if isinstance(outcome, Problem):
-        raise ProblemError(outcome)
-    assert isinstance(outcome, Answer), outcome
-    return outcome
+def _unobserved(_task: str, _seconds: float, _figures: Figures | None) -> None:
+    pass

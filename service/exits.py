@@ -9,6 +9,7 @@ T = TypeVar("T")
 
 REJECTED = 1
 UNUSABLE = 2
+INTERRUPTED = 130  # what shells say of a command that Ctrl-C ended
 
 
 def or_exit(work: Callable[[], T]) -> T:

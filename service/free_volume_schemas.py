@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, Field
 
+from service.job_schemas import Deferrable
 from service.schemas import Name, PanelDocument, Strict
 
 SizeMm = Annotated[float, Field(ge=0.5, le=3_000.0)]
@@ -47,7 +48,7 @@ class SectionChoice(Strict):
     depth_mm: RangeMm = Field(default=[0.0, 300.0], description="upper and lower end")
 
 
-class FreeVolumeRequest(Strict):
+class FreeVolumeRequest(Deferrable):
     """The free volume (GAV) of a tool at one orientation is wanted."""
 
     panel: PanelDocument

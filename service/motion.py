@@ -69,8 +69,14 @@ def plan_motion(
     Both ends count as open poses: near them the clearance near a fastener holds. Raises InvalidInput for an
     unknown fastener, for one that has no free pose with this die, and for axis values out of limits.
     """
-    cell = Cell(machine, die, panel)
-    ends = _Ends(cell)
+    return plan_motion_in(Cell(machine, die, panel), start, goal, seed=seed, stop=stop)
+
+
+def plan_motion_in(
+    cell: Cell, start: End, goal: End, *, seed: int = 0, stop: Callable[[], bool] = never
+) -> MotionResult:
+    """Plan as `plan_motion` does, in a cell that may have served before: the result is the same."""
+    machine, ends = cell.machine, _Ends(cell)
     q0, qf = ends.configuration("/start", start), ends.configuration("/goal", goal)
     ends.raise_problems()
     space = cell.link_space([q0, qf])

@@ -118,7 +118,7 @@ def _arc_length(given: Length | None, way: RowsAlong, arcs: Arcs, field: str) ->
     name = "length" if way == "x" else "section"
     message = f"the {field} is not given, and the surface's {name} not by points"
     remedy = f"Add it, or give /surface/{name} by points."
-    raise InvalidInput([InputProblem(f"/pattern/{field}", "missing", message, None, remedy)])
+    raise InvalidInput([InputProblem(f"/pattern/{field}", "not_given", message, None, remedy)])
 
 
 @contextmanager

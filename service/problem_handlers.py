@@ -1,36 +1,37 @@
 """Every error leaves the service as application/problem+json: the exception handlers of the application."""
 
 import logging
-import re
-import secrets
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+import sqlite3
+from collections.abc import Mapping
 
+import psycopg
+import sqlalchemy.exc
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.routing import compile_path
 
-from robots.errors import InputProblem, InvalidInput
+from robots.errors import InvalidInput
 from service.errors import MEDIA_TYPE, Problem, ProblemError, of_invalid_input, problem
+from service.field_problems import field_problems
+from service.jobs.artefacts import StoreUnusable
 from service.security.headers import complete
-from service.strict_json import pointer
 from service.strict_route import ClientGone
+from service.trace import Trace
 from service.worker import internal_error
 
 _LOG = logging.getLogger("rivetplan.service")
-_TRACEPARENT = re.compile(r"00-([0-9a-f]{32})-[0-9a-f]{16}-[0-9a-f]{2}")
-
-#: pydantic's kind of error -> what to do about it.
-_REMEDIES: Mapping[str, str] = {
-    "missing": "Add it.",
-    "extra_forbidden": "Remove it or correct its name.",
-}
-#: The same for messages, where pydantic's own words speak of Python.
-_MESSAGES: Mapping[str, str] = dict.fromkeys(
-    ["model_type", "model_attributes_type", "dict_type"], "Input should be an object"
-) | {"list_type": "Input should be an array"}
-_REMEDY = "Send a value as /openapi.json describes it."
+_AGAIN_S = "5"
+_UNREACHABLE = (
+    sqlalchemy.exc.OperationalError,
+    sqlalchemy.exc.InterfaceError,
+    sqlalchemy.exc.InternalError,
+    sqlalchemy.exc.TimeoutError,
+    psycopg.OperationalError,
+    sqlite3.OperationalError,
+    StoreUnusable,
+)
+"""What says that the database of the jobs, or their store, is away, full or locked."""
 
 
 def install(app: FastAPI) -> None:
@@ -40,6 +41,8 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _on_validation_error)
     app.add_exception_handler(HTTPException, _on_http_error)
     app.add_exception_handler(ClientGone, _on_client_gone)
+    for kind in _UNREACHABLE:
+        app.add_exception_handler(kind, _on_unreachable)
     app.add_exception_handler(Exception, _on_fault)
 
 
@@ -55,7 +58,7 @@ async def _on_invalid_input(request: Request, error: Exception) -> Response:
 
 async def _on_validation_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    return respond(request, of_invalid_input(InvalidInput(list(_field_problems(error.errors(), error.body)))))
+    return respond(request, of_invalid_input(InvalidInput(list(field_problems(error.errors(), error.body)))))
 
 
 async def _on_http_error(request: Request, error: Exception) -> Response:
@@ -78,6 +81,14 @@ async def _on_client_gone(_request: Request, _error: Exception) -> Response:
     return Response(status_code=499)  # nobody reads it; the access log shows it
 
 
+async def _on_unreachable(request: Request, error: Exception) -> Response:
+    """Answer where the jobs cannot be reached; what was begun in the database is undone."""
+    _LOG.error("the jobs cannot be reached: %s", str(error).splitlines()[0])
+    detail = "The database or the files of the jobs cannot be used now; nothing was changed."
+    remedy = "Send it again in a while. If it lasts, look after the database and the disk it is on."
+    return respond(request, problem("jobs_unavailable", detail, remedy=remedy))
+
+
 async def _on_fault(request: Request, error: Exception) -> Response:
     """Answer a fault of ours; the server logs its traceback, and here the trace_id that goes with it."""
     found = _traced(request, internal_error())
@@ -91,16 +102,22 @@ def respond(request: Request, found: Problem, headers: Mapping[str, str] | None 
     response = Response(
         body, found.status, {**(headers or {}), "Cache-Control": "no-store"}, media_type=MEDIA_TYPE
     )
+    if found.status == 503:
+        response.headers.setdefault("Retry-After", _AGAIN_S)
     complete(response.headers)  # the answer to a fault of ours is made outside of the gate
+    response.headers.setdefault("traceparent", _trace(request).header)
+    request.app.state.metrics.problems.labels(found.code).inc()
     return response
 
 
 def _traced(request: Request, found: Problem) -> Problem:
-    """Return the problem with the client's own trace id (W3C traceparent), or a new one."""
-    if found.trace_id:
-        return found
-    given = _TRACEPARENT.fullmatch(request.headers.get("traceparent", ""))
-    return found.model_copy(update={"trace_id": given[1] if given else secrets.token_hex(16)})
+    """Return the problem with the id of the request's trace, which is in every line of the log."""
+    return found if found.trace_id else found.model_copy(update={"trace_id": _trace(request).id})
+
+
+def _trace(request: Request) -> Trace:
+    trace: Trace = request.state.trace
+    return trace
 
 
 def _methods_at(request: Request, error: HTTPException) -> set[str]:
@@ -110,30 +127,4 @@ def _methods_at(request: Request, error: HTTPException) -> set[str]:
     for template, operations in request.app.openapi()["paths"].items():
         if compile_path(template)[0].match(request.url.path):
             methods |= {method.upper() for method in operations}
-    return methods
-
-
-def _field_problems(errors: Sequence[Any], body: object) -> Iterator[InputProblem]:
-    for error in errors:
-        place, *path = error["loc"]
-        kind = error["type"]
-        at = _pointer(path, body, missing=kind == "missing") if place == "body" else str(path[-1])
-        value = None if kind == "missing" else error["input"]
-        yield InputProblem(at, kind, _MESSAGES.get(kind, error["msg"]), value, _REMEDIES.get(kind, _REMEDY))
-
-
-def _pointer(path: Sequence[str | int], body: object, *, missing: bool) -> str:
-    """Return the JSON pointer of a pydantic location, leaving out the names of union members in it.
-
-    missing: the last step is not in the body.
-    """
-    at = ""
-    for place, step in enumerate(path):
-        is_member = isinstance(body, dict) and step in body
-        is_item = isinstance(body, list) and isinstance(step, int) and step < len(body)
-        if is_member or is_item:
-            body = body[step]  # type: ignore[index]
-            at = pointer(at, str(step))
-        elif missing and place == len(path) - 1:
-            at = pointer(at, str(step))
-    return at
+    return methods | ({"HEAD"} if "GET" in methods else set())

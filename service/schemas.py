@@ -7,6 +7,7 @@ from pydantic import BaseModel, BeforeValidator, Discriminator, Field, Tag, mode
 from robots.nc_blend import DEVIATION_MM, LEAST_DEVIATION_MM, MOST_DEVIATION_MM, TimingLaw
 from service.approach_schemas import ApproachChoice
 from service.as_built_schemas import MeasuredPanel
+from service.job_schemas import Deferrable
 from service.order_schemas import OrderRequest
 from service.schema_base import Name as Name
 from service.schema_base import Strict as Strict
@@ -80,7 +81,7 @@ class TimingChoice(Strict):
         return self
 
 
-class ProgramRequest(Strict):
+class ProgramRequest(Deferrable):
     """A panel's NC program is wanted."""
 
     panel: PanelDocument

@@ -9,11 +9,13 @@ from fastapi.routing import APIRoute
 from starlette.requests import ClientDisconnect
 
 from robots.errors import InputProblem, InvalidInput
+from service.engine import Engine
 from service.errors import ProblemError, problem
+from service.schema_base import Strict
 from service.security.authentication import check_scope
 from service.security.scopes import needed_scope
 from service.settings import Settings
-from service.strict_json import parse
+from service.strict_json import JsonLimits, parse
 
 #: How much of a body that is too large is still read [1 = the limit], so that an ordinary client gets to read
 #: the answer instead of a broken connection.
@@ -33,14 +35,24 @@ class StrictRoute(APIRoute):
         """Wrap FastAPI's handler."""
         handler = super().get_route_handler()
         has_body = self.body_field is not None
+        model = self.body_field.field_info.annotation if self.body_field is not None else None
         known = sorted(field.alias for field in self.dependant.query_params)
+
+        def limits(request: Request) -> JsonLimits:
+            return self.limits(request.app.state.settings)
 
         async def strictly(request: Request) -> Response:
             check_scope(request.state.caller, needed_scope(f"{request.method} {self.path_format}"))
             _refuse_unknown_query(request, known)
-            return await _while_connected(request, handler(await _parsed(request) if has_body else request))
+            return await _while_connected(
+                request, handler(await _parsed(request, model, limits(request)) if has_body else request)
+            )
 
         return strictly
+
+    def limits(self, settings: Settings) -> JsonLimits:
+        """How much JSON a body may be."""
+        return settings.json
 
 
 class _ParsedRequest(Request):
@@ -55,11 +67,14 @@ class _ParsedRequest(Request):
         return self._value
 
 
-async def _parsed(request: Request) -> Request:
+async def _parsed(request: Request, model: object, limits: JsonLimits) -> Request:
     settings: Settings = request.app.state.settings
     _check_media_type(request)
-    raw = await _body(request, settings.json.max_bytes)
-    return _ParsedRequest(request, raw, parse(raw, settings.json))
+    raw = await _body(request, limits.max_bytes)
+    if len(raw) > settings.max_inline_bytes and isinstance(model, type) and issubclass(model, Strict):
+        engine: Engine = request.app.state.engine
+        return _ParsedRequest(request, raw, await engine.read(model, raw, limits))
+    return _ParsedRequest(request, raw, parse(raw, limits))
 
 
 def _check_media_type(request: Request) -> None:

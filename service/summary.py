@@ -88,16 +88,18 @@ def refusals(program: NcProgram) -> list[Row]:
     return [(fastener.id, _reason(fastener)) for fastener in _refused(program)]
 
 
-def report(program: NcProgram, statistics: Statistics) -> str:
-    """Return a report in Markdown: the program's figures, what planning it cost, and every searched link."""
+def report(program: NcProgram, statistics: Statistics | None = None) -> str:
+    """Return a report in Markdown: the program's figures, and, where it was planned just now, what planning
+    it cost and every searched link.
+    """
+    statistics = statistics or Statistics()
     timing = [(phase, f"{spent:.1f} s") for phase, spent in statistics.seconds.items()]
     search = [(row.name, f"{row.count}") for row in program.summary.search]
     parts = [
         f"# {program.header.title}\n",
         f"Program {program.header.program_id} for machine {program.machine.id}.\n",
         _markdown(("figure", "value"), program_rows(program)),
-        "\n## Planning time\n",
-        _markdown(("phase", "wall clock"), timing),
+        *(("\n## Planning time\n", _markdown(("phase", "wall clock"), timing)) if timing else ()),
         "\n## Search\n",
         _markdown(("count", "sum over all links"), search),
     ]

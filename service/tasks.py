@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from planners.arrays import Array
 from robots.nc import NcAxes
-from robots.nc_json import program_sha256, to_json
+from robots.nc_json import to_json
 from robots.outline import Outline, read_outline
 from service.access_schemas import AccessibilityRequest
 from service.answers import Answer
@@ -17,23 +17,30 @@ from service.area_inputs import AccessInputs, access_inputs
 from service.area_schemas import AreaRequest, VolumeRequest
 from service.as_built import corrected
 from service.canonical import canonical_json
+from service.cells import Cells
 from service.crew import RunMemo
 from service.errors import ProblemError, problem
+from service.figures import Figures
 from service.free_volume import FoundVolume, find_free_volume
 from service.free_volume_schemas import DieChoice, FreeVolumeRequest
 from service.inputs import Places, gather, placed
-from service.motion import plan_motion
+from service.motion import plan_motion_in
 from service.motion_answer import motion_json
 from service.order import order_rules
 from service.panel_check import check_panel
 from service.pattern_schemas import RivetPatternRequest
+from service.program_text import program_text
 from service.programming import Progress, program_panel
+from service.reading_task import read
 from service.rivet_pattern import rivet_pattern as designed
 from service.schemas import AtAxes, AtFastener, MotionRequest, ProgramRequest
 from service.settings import Settings
 from service.timing import Timing
 from service.verification_schemas import VerificationRequest
 from service.verification_task import verified
+from service.warming import warm
+
+_CELLS = Cells()
 
 
 def program(
@@ -64,7 +71,8 @@ def program(
             memo=memo,
             progress=progress,
         )
-    return Answer(to_json(programmed.program), program_sha256(programmed.program))
+    body = to_json(programmed.program)
+    return Answer(body, hashlib.sha256(body).hexdigest(), figures=Figures.of(programmed.program))
 
 
 def _previous(document: dict[str, Any] | None) -> Outline | None:
@@ -74,11 +82,8 @@ def _previous(document: dict[str, Any] | None) -> Outline | None:
 
 def motion(request: MotionRequest, _settings: Settings) -> Answer:
     """Return one motion."""
-    inputs = gather(request.panel, request.machine, [request.die], Places(dies="/die"))
-    (die,) = inputs.dies
-    found = plan_motion(
-        inputs.panel, inputs.machine, die, _end(request.start), _end(request.goal), seed=request.seed
-    )
+    cell = _CELLS.of(request.panel, request.machine, request.die)
+    found = plan_motion_in(cell, _end(request.start), _end(request.goal), seed=request.seed)
     body = motion_json(found)
     return Answer(body, hashlib.sha256(body).hexdigest())
 
@@ -171,6 +176,8 @@ def verification(request: VerificationRequest, settings: Settings) -> Answer:
     return Answer(body, hashlib.sha256(body).hexdigest())
 
 
+__all__ = ["TASKS", "program_text", "warm"]
+
 TASKS = {
     "program": program,
     "motion": motion,
@@ -181,4 +188,6 @@ TASKS = {
     "free_volume": free_volume,
     "free_volume_mesh": free_volume_mesh,
     "verification": verification,
+    "program_text": program_text,
+    "read": read,
 }

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Discriminator, Field, Tag
 
 from service.as_built_schemas import MeasuredPanel
+from service.job_schemas import Deferrable
 from service.schemas import Name, PanelDocument, Strict
 
 TextDialect = Literal["sinumerik840d", "fanuc30i", "apt", "csv", "ndjson"]
@@ -42,7 +43,7 @@ def _kind_of_program(value: object) -> str:
     return _TEXT if is_text else _DOCUMENT
 
 
-class VerificationRequest(Strict):
+class VerificationRequest(Deferrable):
     """A program is to be verified against a panel and a machine."""
 
     panel: PanelDocument

@@ -9,12 +9,17 @@ import importlib
 import logging
 import multiprocessing
 import signal
+import weakref
 from collections.abc import Callable, Mapping
+from functools import wraps
 from multiprocessing.connection import Connection
 
 from robots.errors import InvalidInput
 from service.errors import Problem, ProblemError, of_invalid_input, problem
-from service.parentage import leave_with_parent
+from service.logs import configure
+from service.parentage import leave_with_parent, stops_blocked, unblock
+from service.schema_base import Strict
+from service.trace import bound, working_on
 
 _READY = "ready"
 _CONTEXT = multiprocessing.get_context("spawn")  # forking a process with threads is undefined
@@ -36,7 +41,9 @@ class Worker:
         self._process = _CONTEXT.Process(
             target=_serve, args=(theirs, tasks), name="rivetplan-worker", daemon=True
         )
-        self._process.start()
+        with stops_blocked():
+            self._process.start()
+        weakref.finalize(self, self._process.kill)  # it ignores what interpreters end their children with
         theirs.close()  # so that the end of the child is the end of the pipe
 
     @property
@@ -51,13 +58,22 @@ class Worker:
     def call(self, task: str, *arguments: object) -> object:
         """Return what the task returns or the Problem it ended with; raise WorkerLost if the process dies."""
         try:
-            self._connection.send((task, arguments))
+            self._connection.send((task, arguments, bound()))
         except OSError:
             raise WorkerLost from None
         return self._receive()
 
-    def end(self) -> None:
+    @property
+    def sentinel(self) -> int:
+        """A file descriptor that can be read once the process has ended, until `end`."""
+        return self._process.sentinel
+
+    def kill(self) -> None:
         """End the process at once, whatever it is doing; a `call` under way raises WorkerLost."""
+        self._process.kill()
+
+    def end(self) -> None:
+        """The same, and wait for its end, which takes a while where it has much memory."""
         self._process.kill()
         self._process.join()
 
@@ -70,16 +86,33 @@ class Worker:
 
 def _serve(connection: Connection, module: str) -> None:
     """Answer calls until the other end closes; runs in the child."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent decides
+    for stopping in (signal.SIGINT, signal.SIGTERM):  # they may reach the whole group; the parent decides
+        signal.signal(stopping, signal.SIG_IGN)
+    unblock()
+    configure()
     leave_with_parent()
-    tasks: Tasks = importlib.import_module(module).TASKS
+    offered = importlib.import_module(module)
+    tasks: Tasks = offered.TASKS
+    if hasattr(offered, "warm"):
+        offered.warm()
     connection.send(_READY)
     while True:
         try:
-            task, arguments = connection.recv()
+            task, arguments, context = connection.recv()
         except EOFError:
             return
-        connection.send(outcome_of(tasks[task], *arguments))
+        with working_on(context):
+            connection.send(outcome_of(_on_whole(tasks[task]), *arguments))
+
+
+def _on_whole(task: Callable[..., object]) -> Callable[..., object]:
+    """The task, given requests with all of their members."""
+
+    @wraps(task)
+    def unfolding(*arguments: object) -> object:
+        return task(*(each.unfolded() if isinstance(each, Strict) else each for each in arguments))
+
+    return unfolding
 
 
 def outcome_of(task: Callable[..., object], *arguments: object) -> object:

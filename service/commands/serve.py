@@ -1,79 +1,54 @@
 """`rivetplan serve`: the HTTP service; on a loopback address, unless keys tell its callers apart."""
 
 import logging
-import os
-import signal
 import socket
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from ipaddress import ip_address
 from pathlib import Path
-from types import FrameType
-
-import psycopg
-import uvicorn
-from sqlalchemy.exc import SQLAlchemyError
 
 from service.app import create_app
+from service.batches.batches import Batches
+from service.commands.keeping import prepared
 from service.commands.reading import Unusable
-from service.jobs.database import prepare
-from service.jobs.places import DATABASE, JobPlaces
 from service.jobs.queue import DbosJobs
 from service.jobs.supervisor import Supervisor
-from service.jobs.worker import LOG_FORMAT
+from service.logs import LogFormat, configure
 from service.security.authentication import Authenticator
 from service.security.keys import FILE_NAME
-from service.security.redaction import RedactingFormatter
 from service.security.settings import SecuritySettings, TokenSettings
 from service.security.watched import UnusableFile
+from service.serving import run
 from service.settings import Settings
 
 _LOG = logging.getLogger("rivetplan.security")
 
 
 def serve(
-    host: str, port: int, settings: Settings, *, data: Path, workers: int, retention_days: float
+    host: str,
+    port: int,
+    settings: Settings,
+    *,
+    data: Path,
+    workers: int,
+    retention_days: float,
+    log_format: LogFormat = LogFormat.TEXT,
 ) -> None:
     """Serve until interrupted, with `workers` processes for jobs. Raises Unusable where that cannot be."""
     guarded = _is_guarded(settings.security)
     listening = _listen(host, port, guarded=guarded)
     settings = replace(settings, security=replace(settings.security, required=guarded))
-    places = _prepared(data)
+    places = prepared(data)
     address, its_port = listening.getsockname()[:2]
     shown = f"[{address}]" if ":" in address else address
     print(f"rivetplan serves on http://{shown}:{its_port}", flush=True)
-    logging.basicConfig(level=logging.INFO)
-    for handler in logging.getLogger().handlers:
-        handler.setFormatter(RedactingFormatter(LOG_FORMAT))
+    configure(log_format)
     if not ip_address(address).is_loopback:
         _LOG.warning("keys travel in the clear over http: put a proxy with TLS before the service")
     supervisor = Supervisor(places, workers, retention_days)
-    app = create_app(settings, jobs=DbosJobs(places))
-    config = uvicorn.Config(app, log_config=None, server_header=False, timeout_graceful_shutdown=5)
-    signal.signal(signal.SIGTERM, _leave)  # what uvicorn raises again once it has shut down
-    supervisor.start()
-    try:
-        uvicorn.Server(config).run(sockets=[listening])
-    finally:
-        supervisor.stop()
-
-
-def _leave(_number: int, _frame: FrameType | None) -> None:
-    sys.exit(0)
-
-
-def _prepared(data: Path) -> JobPlaces:
-    """Where jobs are kept, with everything that is needed there."""
-    try:
-        places = JobPlaces.of(data, os.environ)
-        prepare(places)
-    except OSError as error:
-        raise Unusable([f"--data: {data} cannot be used: {error.strerror}. Name a directory."]) from None
-    except (SQLAlchemyError, psycopg.Error) as error:
-        why = str(error).splitlines()[0]
-        raise Unusable([f"{DATABASE}: the database cannot be used: {why}. Name one that runs."]) from None
-    return places
+    jobs = DbosJobs(places)
+    app = create_app(settings, jobs=jobs, batching=Batches(jobs, places), artefacts=places.store())
+    run(app, listening, supervisor)
 
 
 def security(
@@ -114,7 +89,9 @@ def _listen(host: str, port: int, *, guarded: bool) -> socket.socket:
         why = "the service has no keys and would let everybody in"
         remedy = "Make one first: rivetplan keys add NAME --scope plan."
         raise Unusable([f"--host: {host} is not a loopback address and {why}. {remedy}"])
-    listening = socket.socket(socket.AF_INET6 if address.version == 6 else socket.AF_INET)
+    family = socket.AF_INET6 if address.version == 6 else socket.AF_INET
+    # the protocol is named, because asyncio switches Nagle's algorithm off (40 ms a request) only where it is
+    listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((str(address), port))

@@ -5,7 +5,11 @@
     <root>/memo/<ab>/<key>        what was computed, under the sha256 of everything it was computed from
 
 A file is written beside its place, synced and renamed: whoever sees it sees all of it, also after a power
-cut. Workers on several hosts may share the directory.
+cut. Workers on several hosts may share the directory. What is read is checked against its sha256.
+
+    Exception
+      Damaged           what lies under a sha256 has another one
+      StoreUnusable     the disk is full, or the directory cannot be read or written
 """
 
 from __future__ import annotations
@@ -16,7 +20,8 @@ import os
 import re
 import secrets
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import zstandard
@@ -29,6 +34,15 @@ _FOLDER = re.compile(r"[0-9a-f]{2}")
 _ZSTD_LEVEL, _GZIP_LEVEL = 1, 6
 _DIGEST = hashlib.sha256().digest_size
 _UNFINISHED = ".new"
+_MOST_CHECKED = 10_000
+
+
+class Damaged(KeyError):
+    """Bytes are not those that were put."""
+
+
+class StoreUnusable(OSError):
+    """The file system does not do what it is asked; another time it may."""
 
 
 class Store:
@@ -36,27 +50,52 @@ class Store:
 
     def __init__(self, root: Path) -> None:
         self.root = root
+        self._checked: dict[str, tuple[int, ...]] = {}
 
     def put(self, content: bytes, *, served: bool = False) -> str:
-        """Keep bytes and return their sha256. served: compressed as well, for clients."""
+        """Keep bytes and return their sha256. served: compressed as well, for clients.
+
+        Raises StoreUnusable.
+        """
         sha256 = hashlib.sha256(content).hexdigest()
         path = self._place(sha256)
         if served:  # before the bytes themselves: where those are, the others are
-            self._write(path.with_name(path.name + ".gz"), gzip.compress(content, _GZIP_LEVEL, mtime=0))
+            _write(path.with_name(path.name + ".gz"), gzip.compress(content, _GZIP_LEVEL, mtime=0))
             compressor = zstandard.ZstdCompressor(level=_ZSTD_LEVEL)
-            self._write(path.with_name(path.name + ".zst"), compressor.compress(content))
-        self._write(path, content)
+            _write(path.with_name(path.name + ".zst"), compressor.compress(content))
+        _write(path, content)
         return sha256
 
     def get(self, sha256: str) -> bytes:
-        """Return bytes; KeyError where there are none."""
+        """Return bytes; KeyError where there are none, Damaged where there are others, StoreUnusable."""
         path = self.path(sha256)
         if path is None:
             raise KeyError(sha256)
         try:
-            return path.read_bytes()
+            with _tried():
+                content = path.read_bytes()
         except FileNotFoundError:
             raise KeyError(sha256) from None
+        if hashlib.sha256(content).hexdigest() != sha256:
+            raise Damaged(sha256)
+        return content
+
+    def is_whole(self, sha256: str) -> bool:
+        """Whether `get` would return bytes; a file that has not changed since is not read again."""
+        path = self.path(sha256)
+        if path is None:
+            return False
+        try:
+            found = path.stat()
+            mark = (found.st_ino, found.st_size, found.st_mtime_ns)
+            if self._checked.get(sha256) != mark:
+                self.get(sha256)
+                if len(self._checked) >= _MOST_CHECKED:
+                    self._checked.clear()
+                self._checked[sha256] = mark
+        except (KeyError, FileNotFoundError):
+            return False
+        return True
 
     def path(self, sha256: str, encoding: Encoding = "identity") -> Path | None:
         """Return the file of bytes in an encoding; None where there is none."""
@@ -67,8 +106,8 @@ class Store:
         return path if path.is_file() else None
 
     def keep(self, key: str, content: bytes) -> None:
-        """Keep what was computed. key: sha256 of what it was computed from."""
-        self._write(self._memo(key), hashlib.sha256(content).digest() + content)
+        """Keep what was computed. key: sha256 of what it was computed from. Raises StoreUnusable."""
+        _write(self._memo(key), hashlib.sha256(content).digest() + content)
 
     def recall(self, key: str) -> bytes | None:
         """Return what was computed; None where nothing is kept or what is kept is damaged."""
@@ -104,8 +143,20 @@ class Store:
     def _memo(self, key: str) -> Path:
         return self.root / "memo" / key[:2] / key
 
-    @staticmethod
-    def _write(path: Path, content: bytes) -> None:
+
+@contextmanager
+def _tried() -> Iterator[None]:
+    """Errors of the file system, but for a file that is not there, as StoreUnusable."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise StoreUnusable(error.errno, error.strerror) from error
+
+
+def _write(path: Path, content: bytes) -> None:
+    with _tried():
         try:
             if path.read_bytes() == content:  # it may be there and damaged
                 os.utime(path)
@@ -134,15 +185,24 @@ def _sync(directory: Path) -> None:
 
 
 def _sweep(folder: Path, before: float, wanted: Collection[str]) -> int:
-    """Remove the files of a folder that are older than `before` [s since the epoch] and not wanted."""
+    """Remove the files of a folder that are older than `before` [s since the epoch] and not wanted.
+
+    Each is put aside first: one that is put again meanwhile is either young then and comes back, or is
+    written anew.
+    """
     removed = 0
     for path in folder.iterdir():
         if path.name[:64] in wanted and not path.name.endswith(_UNFINISHED):
             continue
         try:
             if path.stat().st_mtime < before:
-                path.unlink()
-                removed += 1
+                aside = path.with_name(path.name + _UNFINISHED)
+                path.replace(aside)
+                if aside.stat().st_mtime < before:
+                    aside.unlink()
+                    removed += 1
+                else:
+                    aside.replace(path)
         except FileNotFoundError:  # another worker sweeps, too
             continue
     return removed

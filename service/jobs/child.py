@@ -18,9 +18,12 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from service.jobs.artefacts import Store
+from service.figures import Figures
+from service.jobs.artefacts import Store, StoreUnusable
 from service.jobs.model import Progress
-from service.parentage import leave_with_parent
+from service.logs import configure
+from service.parentage import leave_with_parent, stops_blocked, unblock
+from service.trace import bound, working_on
 from service.worker import WorkerLost, outcome_of
 
 if TYPE_CHECKING:  # it brings the web framework, which nobody needs here
@@ -41,12 +44,28 @@ class HandedBack(Exception):
 
 @dataclass(frozen=True)
 class Done:
-    """A finished job. result: sha256 of the answer in the store; recalled, computed: how many chunks."""
+    """A finished job. result: sha256 of the answer in the store; recalled, computed: how many chunks.
+
+    figures: what the metrics count of it.
+    """
 
     result: str
     media_type: str
     recalled: int
     computed: int
+    figures: Figures | None = None
+
+
+@dataclass(frozen=True)
+class Told:
+    """How far a job is. recalled: how many of its chunks were found in the store."""
+
+    progress: Progress
+    recalled: int
+
+
+class RequestMissing(Exception):
+    """The job's request is not in the store, or is not what it was."""
 
 
 class Desk:
@@ -62,7 +81,7 @@ class Desk:
         now = time.monotonic()
         if now - self._told_at >= _TELL_S:
             self._told_at = now
-            self._connection.send(progress)
+            self._connection.send(Told(progress, self.recalled))
 
     def after_chunk(self, recalled: bool) -> None:
         """Note a chunk that is kept; raise HandedBack where the worker is about to end."""
@@ -86,7 +105,8 @@ class Child:
         self._process = _CONTEXT.Process(
             target=_serve, args=(theirs, tasks, artefacts), name="rivetplan-job", daemon=True
         )
-        self._process.start()
+        with stops_blocked():
+            self._process.start()
         theirs.close()  # so that the end of the child is the end of the pipe
 
     @property
@@ -97,14 +117,14 @@ class Child:
     def begin(self, kind: str, request_sha256: str) -> None:
         """Give it a job. Raises WorkerLost."""
         try:
-            self._connection.send((kind, request_sha256))
+            self._connection.send((kind, request_sha256, bound()))
         except OSError:
             raise WorkerLost from None
 
     def heard(self, wait_s: float) -> object:
         """Return its next message, None where there is none within `wait_s` [s]. Raises WorkerLost.
 
-        A Progress, FURTHER, or what became of the job: Done, a Problem, or HandedBack.
+        Told, FURTHER, or what became of the job: Done, a Problem, HandedBack, RequestMissing, StoreUnusable.
         """
         try:
             message = self._connection.recv() if self._connection.poll(wait_s) else None
@@ -128,6 +148,8 @@ def _serve(connection: Connection, module: str, artefacts: Path) -> None:
     """Compute jobs until the other end closes; runs in the child."""
     for stopping in (signal.SIGINT, signal.SIGTERM):  # they may reach the whole group; the worker decides
         signal.signal(stopping, signal.SIG_IGN)
+    unblock()
+    configure()
     os.nice(_NICE)
     leave_with_parent()
     tasks: Mapping[str, Task] = importlib.import_module(module).TASKS
@@ -140,17 +162,25 @@ def _serve(connection: Connection, module: str, artefacts: Path) -> None:
             return
         if job == _LEAVE:
             return
-        kind, request_sha256 = job
-        connection.send(_computed(tasks, kind, request_sha256, Desk(store, connection)))
+        kind, request_sha256, context = job
+        with working_on(context):
+            connection.send(_computed(tasks, kind, request_sha256, Desk(store, connection)))
 
 
 def _computed(tasks: Mapping[str, Task], kind: str, request_sha256: str, desk: Desk) -> object:
-    def compute() -> Done | HandedBack:
+    def compute() -> object:
         try:
-            answer = tasks[kind](desk.store.get(request_sha256), desk)
-        except HandedBack as handed:
-            return handed
-        result = desk.store.put(answer.body, served=True)
-        return Done(result, answer.media_type, desk.recalled, desk.computed)
+            answer = tasks[kind](_request(desk.store, request_sha256), desk)
+            result = desk.store.put(answer.body, served=True)
+        except (HandedBack, RequestMissing, StoreUnusable) as instead:
+            return instead
+        return Done(result, answer.media_type, desk.recalled, desk.computed, answer.figures)
 
     return outcome_of(compute)
+
+
+def _request(store: Store, sha256: str) -> bytes:
+    try:
+        return store.get(sha256)
+    except KeyError:
+        raise RequestMissing(sha256) from None

@@ -1,4 +1,4 @@
-"""The database of the jobs: DBOS's tables, and one of our own beside them.
+"""The database of the jobs: DBOS's tables, and our own (`service.jobs.schema`) beside them.
 
 DBOS knows which job is next, who runs it and how often it was begun; `JOBS` has what a client is told. Both
 are written in one transaction where a job is made. Of DBOS's tables the few columns below are used; they are
@@ -18,6 +18,7 @@ from dbos import DBOS, DBOSClient, DBOSPortableJSONSerializer
 from sqlalchemy import event
 
 from service.jobs.places import JobPlaces
+from service.jobs.schema import migrate
 
 APPLICATION = "rivetplan"
 VERSION = "jobs-1"
@@ -30,40 +31,14 @@ ATTEMPTS = 3
 """How often a job is begun whose process ends before it has come further; then it has failed."""
 
 _KEEPALIVE = {"keepalives_idle": 3, "keepalives_interval": 1, "keepalives_count": 3}
-_TIMEOUT_MS = 8000
+_TIMEOUT_MS, _BUSY_MS = 8000, 30_000
 _POOL = 10
-
-JOBS = sa.Table(
-    "rivetplan_jobs",
-    sa.MetaData(),
-    sa.Column("id", sa.Text, primary_key=True),
-    sa.Column("kind", sa.Text, nullable=False),
-    sa.Column("queue", sa.Text, nullable=False),
-    sa.Column("caller", sa.Text, nullable=False),
-    sa.Column("title", sa.Text, nullable=False),
-    sa.Column("job_order_id", sa.Text),
-    sa.Column("batch", sa.Text),
-    sa.Column("priority", sa.Integer, nullable=False),
-    sa.Column("request_sha256", sa.Text, nullable=False),
-    sa.Column("created_ms", sa.BigInteger, nullable=False),
-    sa.Column("started_ms", sa.BigInteger),
-    sa.Column("finished_ms", sa.BigInteger),
-    sa.Column("phase", sa.Text),
-    sa.Column("done", sa.BigInteger),
-    sa.Column("total", sa.BigInteger),
-    sa.Column("share", sa.Double),
-    sa.Column("result", sa.Text),
-    sa.Column("media_type", sa.Text),
-    sa.Column("problem", sa.Text),
-    sa.Index("rivetplan_jobs_by_time", "created_ms", "id"),
-    sa.Index("rivetplan_jobs_by_batch", "batch"),
-)
 
 
 def workflows(engine: sa.Engine) -> sa.TableClause:
     """DBOS's table of workflows, with the columns we use."""
-    names = ("workflow_uuid", "status", "executor_id", "owner_xid", "application_version", "application_name")
-    texts = [sa.column(name, sa.Text) for name in names]
+    names = ("workflow_uuid", "status", "executor_id", "owner_xid", "output")
+    texts = [sa.column(name, sa.Text) for name in (*names, "application_version", "application_name")]
     times = ("created_at", "updated_at", "started_at_epoch_ms", "completed_at", "recovery_attempts")
     numbers = [sa.column(name, sa.BigInteger) for name in times]
     schema = None if engine.dialect.name == "sqlite" else "dbos"
@@ -103,7 +78,7 @@ def _sqlite(places: JobPlaces) -> sa.Engine:
     @event.listens_for(engine, "connect")
     def settle(connection: sqlite3.Connection, _record: object) -> None:
         connection.isolation_level = "IMMEDIATE"  # who is going to write waits first
-        connection.execute("PRAGMA busy_timeout=30000")
+        connection.execute(f"PRAGMA busy_timeout={_BUSY_MS}")
         connection.execute("PRAGMA foreign_keys=ON")
         # half the work of FULL; a power cut may undo the last moments, and what was undone is done again
         connection.execute("PRAGMA synchronous=NORMAL")
@@ -122,7 +97,10 @@ def client(engine: sa.Engine) -> DBOSClient:
 
 
 def prepare(places: JobPlaces) -> None:
-    """Make directories and tables where there are none; before anything else uses them."""
+    """Make directories and tables where there are none, and bring tables of an older version up to date.
+
+    Before anything else uses them; several processes may do it at once. Raises NewerSchema.
+    """
     logging.getLogger("dbos").setLevel(logging.WARNING)
     places.locks.mkdir(parents=True, exist_ok=True)
     places.artefacts.mkdir(parents=True, exist_ok=True)
@@ -140,7 +118,7 @@ def prepare(places: JobPlaces) -> None:
                 connection_.execute(sa.text("BEGIN IMMEDIATE"))
             else:
                 connection_.execute(sa.select(sa.func.pg_advisory_xact_lock(lock_key("schema"))))
-            JOBS.metadata.create_all(connection_, checkfirst=True)
+            migrate(connection_)
     finally:
         engine.dispose()
 

@@ -5,30 +5,43 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TypeVar
 
 import sqlalchemy as sa
-from sqlalchemy.exc import InterfaceError, OperationalError
+from sqlalchemy.exc import InterfaceError, InternalError, OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from service.errors import Problem
 from service.jobs.child import Done
-from service.jobs.database import APPLICATION, JOBS, VERSION, now_ms, workflows
+from service.jobs.database import APPLICATION, VERSION, now_ms, workflows
 from service.jobs.model import Progress
+from service.jobs.schema import JOBS
+from service.jobs.totals import PROCESS_DEATHS, TAKEN_OVER, add, add_task
 
 T = TypeVar("T")
 _LOG = logging.getLogger("rivetplan.jobs")
 _AGAIN_S = 0.5
-_AWAY = (OperationalError, InterfaceError, PoolTimeout)
+_AWAY = (OperationalError, InterfaceError, InternalError, PoolTimeout)
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A job that an executor runs; DBOS's token tells this run from any other."""
+    """A job that an executor runs.
+
+    token: DBOS's, tells this run from any other. trace: traceparent (W3C) of the request that made the job.
+    spent_s: [s] of work on it before. begun_at: [s], when this run began, of the monotonic clock.
+    """
 
     job_id: str
     token: str
+    trace: str | None
+    spent_s: float
+    begun_at: float
+
+    def spent_now_s(self) -> float:
+        """[s] of work on the job so far."""
+        return self.spent_s + time.monotonic() - self.begun_at
 
 
 class Ledger:
@@ -41,32 +54,32 @@ class Ledger:
     def claim(self, job_id: str) -> Claim | None:
         """Note that a job begins; None where it is not this executor's any more."""
 
-        def begin() -> str | None:
+        def begin() -> Claim | None:
             with self._engine.begin() as connection:
                 query = sa.select(self._flows.c.owner_xid).where(*self._running(job_id))
                 token = connection.execute(query).scalar()
-                if token is not None:
-                    started = sa.func.coalesce(JOBS.c.started_ms, now_ms())
-                    connection.execute(JOBS.update().where(JOBS.c.id == job_id).values(started_ms=started))
-                return token
+                if token is None:
+                    return None
+                started = sa.func.coalesce(JOBS.c.started_ms, now_ms())
+                begun = JOBS.update().where(JOBS.c.id == job_id).values(started_ms=started, left_s=None)
+                row = connection.execute(begun.returning(JOBS.c.trace, JOBS.c.spent_s)).one()
+                return Claim(job_id, token, row.trace, row.spent_s or 0.0, time.monotonic())
 
-        token = self.insist(begin)
-        return None if token is None else Claim(job_id, token)
+        return self.insist(begin)
 
-    def is_held(self, claim: Claim, progress: Progress | None) -> bool:
-        """Whether the job is still this run's; notes how far it is. True where the database does not say."""
+    def is_held(self, claim: Claim, progress: Progress | None, left_s: float | None = None) -> bool:
+        """Whether the job is still this run's; notes what is new of it. True where the database does not say.
+
+        left_s: [s] until it is finished; written where it or progress is given.
+        """
         try:
             with self._engine.begin() as connection:
                 held = connection.execute(
                     sa.select(sa.literal(1)).select_from(self._flows).where(*self._held(claim))
                 ).scalar()
-                if held and progress is not None:
-                    values = {
-                        "phase": progress.phase,
-                        "done": progress.done,
-                        "total": progress.total,
-                        "share": progress.share,
-                    }
+                if held and (progress is not None or left_s is not None):
+                    values = asdict(progress) if progress is not None else {}
+                    values |= {"left_s": left_s, "spent_s": claim.spent_now_s()}
                     connection.execute(JOBS.update().where(JOBS.c.id == claim.job_id).values(values))
                 return bool(held)
         except _AWAY as error:
@@ -74,7 +87,7 @@ class Ledger:
             return True
 
     def count_attempt(self, claim: Claim) -> int:
-        """Note that the job is begun once more; return how often it was begun then."""
+        """Note that a job whose process ended is begun once more; return how often it was begun then."""
 
         def count() -> int:
             with self._engine.begin() as connection:
@@ -82,6 +95,7 @@ class Ledger:
                 counted = (
                     self._flows.update().where(*self._held(claim)).values(recovery_attempts=attempts + 1)
                 )
+                add(connection, PROCESS_DEATHS, {"": 1})
                 return connection.execute(counted.returning(attempts)).scalar() or 0
 
         return self.insist(count)
@@ -96,17 +110,22 @@ class Ledger:
 
         self.insist(count)
 
-    def finish(self, job_id: str, outcome: Done | Problem) -> None:
-        """Note what became of a job; DBOS notes after this that it is finished."""
+    def finish(self, claim: Claim, outcome: Done | Problem) -> None:
+        """Note what became of a job, once; DBOS notes after this that it is finished."""
         if isinstance(outcome, Done):
             values: dict[str, object] = {"result": outcome.result, "media_type": outcome.media_type}
         else:
             values = {"problem": outcome.model_dump_json()}
-        values["finished_ms"] = now_ms()
+        spent_s, figures = claim.spent_now_s(), outcome.figures if isinstance(outcome, Done) else None
+        values |= {"finished_ms": now_ms(), "spent_s": spent_s, "left_s": None}
+        unknown = (JOBS.c.id == claim.job_id, JOBS.c.result.is_(None), JOBS.c.problem.is_(None))
 
         def note() -> None:
             with self._engine.begin() as connection:
-                connection.execute(JOBS.update().where(JOBS.c.id == job_id).values(values))
+                finishing = JOBS.update().where(*unknown).values(values).returning(JOBS.c.kind)
+                kind = connection.execute(finishing).scalar()
+                if kind is not None:
+                    add_task(connection, kind, spent_s, figures)
 
         self.insist(note)
 
@@ -133,6 +152,11 @@ class Ledger:
             }
             handed = self._flows.update().where(*self._running(None)).values(values)
             return connection.execute(handed).rowcount
+
+    def note_taken_over(self, count: int) -> None:
+        """Count jobs that were taken over from a worker that ended."""
+        with self._engine.begin() as connection:
+            add(connection, TAKEN_OVER, {"": count})
 
     def others(self) -> list[str]:
         """Executors that have unfinished jobs, but for this one."""

@@ -7,26 +7,43 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import re
 import secrets
-from collections.abc import AsyncIterator
-from datetime import UTC, datetime
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from typing import Any
 
 import sqlalchemy as sa
 from dbos import DBOSClient
 
-from service.errors import Problem, problem
-from service.jobs.database import ATTEMPTS, JOBS, VERSION, client, connect, now_ms, workflows
-from service.jobs.model import IdempotencyConflict, Job, JobState, NewJob, Progress
+from service.jobs.database import VERSION, client, connect, now_ms, workflows
+from service.jobs.model import (
+    IdempotencyConflict,
+    Job,
+    JobState,
+    NewJob,
+    Queue,
+    QueueLoad,
+    Tally,
+    Totals,
+    UnknownPage,
+)
+from service.jobs.outlook import Outlooks
 from service.jobs.places import JobPlaces
-from service.worker import internal_error
+from service.jobs.rows import WAITING, is_in, job_of
+from service.jobs.schema import JOBS
+from service.jobs.totals import read
 
 WORKFLOW = "rivetplan_job"
 _LOOK_S = 0.25
-_WAITING, _RUNNING = ("ENQUEUED", "DELAYED"), ("PENDING",)
-_BROKEN = ("ERROR", "MAX_RECOVERY_ATTEMPTS_EXCEEDED")
-Page = tuple[list[Job], str | None]
+Found = list[Job]
+Page = tuple[Found, str | None]
 _SAME = ("kind", "request_sha256", "title", "job_order_id", "batch")
+_AFTER = re.compile(r"([0-9]{1,18})-([0-9a-f]{32})")
+_NEVER_BEGUN = {"status": "ENQUEUED", "recovery_attempts": 0} | dict.fromkeys(
+    ("executor_id", "owner_xid", "started_at_epoch_ms", "completed_at", "output")
+)
+_TOLD = ("started_ms", "finished_ms", "phase", "done", "total", "share", "left_s", "spent_s")
+_NOTHING_KNOWN = dict.fromkeys((*_TOLD, "result", "media_type"))
 
 
 class DbosJobs:
@@ -35,7 +52,7 @@ class DbosJobs:
     def __init__(self, places: JobPlaces) -> None:
         self._places, self._store = places, places.store()
         self._engine = connect(places, "rivetplan-api")
-        self._status = workflows(self._engine)
+        self._status, self._outlooks = workflows(self._engine), Outlooks(self._engine)
         self._client: DBOSClient | None = None
 
     async def start(self) -> None:
@@ -48,7 +65,13 @@ class DbosJobs:
         await asyncio.to_thread(self._engine.dispose)
 
     async def submit(self, job: NewJob) -> Job:
-        return await asyncio.to_thread(self._submit, job)
+        (made,) = await asyncio.to_thread(self._submit, [job], None)
+        return made
+
+    async def submit_all(
+        self, jobs: Sequence[NewJob], *, beside: Callable[[sa.Connection], None] | None = None
+    ) -> Sequence[Job]:
+        return await asyncio.to_thread(self._submit, jobs, beside)
 
     async def get(self, job_id: str) -> Job | None:
         return await asyncio.to_thread(self._get, job_id)
@@ -67,6 +90,18 @@ class DbosJobs:
     async def cancel(self, job_id: str) -> Job | None:
         return await asyncio.to_thread(self._cancel, job_id)
 
+    async def waiting(self, caller: str) -> int:
+        return await asyncio.to_thread(self._waiting, caller)
+
+    async def tallies(self, batches: Sequence[str]) -> Mapping[str, Tally]:
+        return await asyncio.to_thread(self._outlooks.tallies, batches)
+
+    async def loads(self) -> Mapping[Queue, QueueLoad]:
+        return await asyncio.to_thread(self._outlooks.loads)
+
+    async def totals(self) -> Totals:
+        return await asyncio.to_thread(self._totals)
+
     async def watch(self, job_id: str) -> AsyncIterator[Job]:
         shown: Job | None = None
         while True:
@@ -80,11 +115,25 @@ class DbosJobs:
                 return
             await asyncio.sleep(_LOOK_S)
 
-    def _submit(self, new: NewJob) -> Job:
-        assert self._client is not None, "not started"
-        sha256 = self._store.put(new.request)
-        row = {
-            "id": _id_of(new),
+    def _submit(self, news: Sequence[NewJob], beside: Callable[[sa.Connection], None] | None) -> Found:
+        rows = [self._row(new) for new in news]
+        last_ms = now_ms()
+        for before, row in enumerate(reversed(rows)):  # a worker takes them in this order
+            row["created_ms"] = last_ms - before
+        with self._engine.begin() as connection:
+            if beside is not None:
+                beside(connection)
+            for row in sorted(rows, key=lambda row: str(row["id"])):  # two that make the same do not lock up
+                self._make(connection, row)
+            jobs = [self._found(connection, str(row["id"])) for row in rows]
+            for job, row in zip(jobs, rows, strict=True):
+                if any(getattr(job, name) != row[name] for name in _SAME):
+                    raise IdempotencyConflict(job.id)
+        return [self._whole(job) for job in jobs]
+
+    def _row(self, new: NewJob) -> dict[str, object]:
+        return {
+            "id": id_of(new),
             "kind": new.kind,
             "queue": new.queue,
             "caller": new.caller,
@@ -92,36 +141,51 @@ class DbosJobs:
             "job_order_id": new.job_order_id,
             "batch": new.batch,
             "priority": new.priority,
-            "request_sha256": sha256,
-            "created_ms": now_ms(),
+            "request_sha256": self._store.put(new.request),
+            "trace": new.trace,
         }
+
+    def _make(self, connection: sa.Connection, row: Mapping[str, object]) -> None:
+        assert self._client is not None, "not started"
+        if self._engine.dialect.name == "sqlite":
+            from sqlalchemy.dialects.sqlite import insert
+        else:
+            from sqlalchemy.dialects.postgresql import insert  # type: ignore[assignment]
+        if connection.execute(insert(JOBS).values(row).on_conflict_do_nothing()).rowcount:
+            self._client.enqueue_in_transaction(
+                connection,
+                {
+                    "workflow_name": WORKFLOW,
+                    "queue_name": str(row["queue"]),
+                    "workflow_id": str(row["id"]),
+                    "app_version": VERSION,
+                    "priority": row["priority"],  # type: ignore[typeddict-item]
+                    "authenticated_user": str(row["caller"]),
+                },
+                row["id"],
+                row["kind"],
+                row["queue"],
+                row["request_sha256"],
+            )
+            # SQLite's own time is in seconds, too coarse for a queue
+            made = self._status.update().where(self._status.c.workflow_uuid == row["id"])
+            connection.execute(made.values(created_at=row["created_ms"]))
+
+    def _whole(self, job: Job) -> Job:
+        """The job, queued again where its answer is lost: its chunks may be there, and its request is."""
+        if job.result is None or self._store.is_whole(job.result):
+            return job
+        flows = self._status
         with self._engine.begin() as connection:
-            if self._engine.dialect.name == "sqlite":
-                from sqlalchemy.dialects.sqlite import insert
-            else:
-                from sqlalchemy.dialects.postgresql import insert  # type: ignore[assignment]
-            made = connection.execute(insert(JOBS).values(row).on_conflict_do_nothing()).rowcount
-            if made:
-                self._client.enqueue_in_transaction(
-                    connection,
-                    {
-                        "workflow_name": WORKFLOW,
-                        "queue_name": new.queue,
-                        "workflow_id": str(row["id"]),
-                        "app_version": VERSION,
-                        "priority": new.priority,
-                        "authenticated_user": new.caller,
-                    },
-                    str(row["id"]),
-                    new.kind,
-                    new.queue,
-                    sha256,
-                )
-        job = self._get(str(row["id"]))
-        assert job is not None
-        if any(getattr(job, name) != row[name] for name in _SAME):
-            raise IdempotencyConflict(job.id)
-        return job
+            lost = sa.exists().where(JOBS.c.id == job.id, JOBS.c.result == job.result)
+            begin_again = flows.update().where(flows.c.workflow_uuid == job.id, lost).values(_NEVER_BEGUN)
+            if connection.execute(begin_again.where(flows.c.status == "SUCCESS")).rowcount:
+                connection.execute(JOBS.update().where(JOBS.c.id == job.id).values(_NOTHING_KNOWN))
+            return self._found(connection, job.id)
+
+    def _found(self, connection: sa.Connection, job_id: str) -> Job:
+        row = connection.execute(self._selected().where(JOBS.c.id == job_id)).mappings().one()
+        return job_of(row, None)
 
     def _selected(self) -> sa.Select[Any]:
         status = self._status.c
@@ -131,7 +195,13 @@ class DbosJobs:
     def _get(self, job_id: str) -> Job | None:
         with self._engine.connect() as connection:
             row = connection.execute(self._selected().where(JOBS.c.id == job_id)).mappings().first()
-        return None if row is None else _job(row)
+        return None if row is None else self._jobs([row])[0]
+
+    def _jobs(self, rows: Sequence[sa.RowMapping]) -> Found:
+        waits: Mapping[str, float] = {}
+        if any(row["status"] in WAITING for row in rows):
+            waits = self._outlooks.now().jobs
+        return [job_of(row, waits.get(row["id"])) for row in rows]
 
     def _list(
         self, caller: str | None, state: JobState | None, batch: str | None, page_size: int, after: str | None
@@ -142,27 +212,33 @@ class DbosJobs:
         if batch is not None:
             query = query.where(JOBS.c.batch == batch)
         if state is not None:
-            query = query.where(self._is(state))
+            query = query.where(is_in(state, self._status.c.status))
         if after is not None:
-            created_ms, _, job_id = after.partition("-")
-            last = sa.tuple_(sa.literal(int(created_ms)), sa.literal(job_id))
+            told = _AFTER.fullmatch(after)
+            if told is None:
+                raise UnknownPage(after)
+            last = sa.tuple_(sa.literal(int(told[1])), sa.literal(told[2]))
             query = query.where(sa.tuple_(JOBS.c.created_ms, JOBS.c.id) < last)
         with self._engine.connect() as connection:
             rows = connection.execute(query).mappings().all()
         if len(rows) <= page_size:
-            return [_job(row) for row in rows], None
+            return self._jobs(rows), None
         end = rows[page_size - 1]
-        return [_job(row) for row in rows[:page_size]], f"{end['created_ms']}-{end['id']}"
+        return self._jobs(rows[:page_size]), f"{end['created_ms']}-{end['id']}"
 
-    def _is(self, state: JobState) -> sa.ColumnElement[bool]:
-        status, succeeded = self._status.c.status, self._status.c.status == "SUCCESS"
-        return {
-            JobState.QUEUED: status.in_(_WAITING),
-            JobState.RUNNING: status.in_(_RUNNING),
-            JobState.SUCCEEDED: sa.and_(succeeded, JOBS.c.problem.is_(None)),
-            JobState.FAILED: sa.or_(status.in_(_BROKEN), sa.and_(succeeded, JOBS.c.problem.is_not(None))),
-            JobState.CANCELLED: status == "CANCELLED",
-        }[state]
+    def _waiting(self, caller: str) -> int:
+        status = self._status.c
+        query = (
+            sa.select(sa.func.count(JOBS.c.id))
+            .join(self._status, status.workflow_uuid == JOBS.c.id)
+            .where(JOBS.c.caller == caller, status.status.in_(WAITING))
+        )
+        with self._engine.connect() as connection:
+            return connection.execute(query).scalar_one()
+
+    def _totals(self) -> Totals:
+        with self._engine.connect() as connection:
+            return read(connection)
 
     def _cancel(self, job_id: str) -> Job | None:
         assert self._client is not None, "not started"
@@ -173,78 +249,8 @@ class DbosJobs:
         return self._get(job_id)
 
 
-def _id_of(new: NewJob) -> str:
-    """Random, or from caller and key: the same key cannot make two jobs."""
+def id_of(new: NewJob) -> str:
+    """The id of a job: random, or from caller and key: the same key cannot make two jobs."""
     if new.key is None:
         return secrets.token_hex(16)
     return hashlib.sha256(f"{len(new.caller)}:{new.caller}:{new.key}".encode()).hexdigest()[:32]
-
-
-def _job(row: sa.RowMapping) -> Job:
-    state, trouble = _state(row), None
-    if state is JobState.FAILED:
-        trouble = _trouble(row)
-    return Job(
-        id=row["id"],
-        kind=row["kind"],
-        state=state,
-        caller=row["caller"],
-        title=row["title"],
-        job_order_id=row["job_order_id"],
-        batch=row["batch"],
-        priority=row["priority"],
-        created=_time(row["created_ms"]),
-        started=None if row["started_ms"] is None else _time(row["started_ms"]),
-        finished=_finished(row, state),
-        progress=_progress(row, state),
-        request_sha256=row["request_sha256"],
-        result=row["result"] if state is JobState.SUCCEEDED else None,
-        media_type=row["media_type"] if state is JobState.SUCCEEDED else None,
-        problem=trouble,
-        attempts=min(row["recovery_attempts"] or 0, ATTEMPTS),
-    )
-
-
-def _trouble(row: sa.RowMapping) -> Problem:
-    if row["problem"]:
-        return Problem.model_validate_json(row["problem"])
-    return internal_error() if row["status"] == "ERROR" else gave_up()
-
-
-def gave_up() -> Problem:
-    """The problem of a job whose process ended again and again."""
-    return problem(
-        "worker_lost",
-        f"The process that computed this job ended {ATTEMPTS} times at the same place.",
-        remedy="Report the panel; the worker's log says how the process ended.",
-    )
-
-
-def _state(row: sa.RowMapping) -> JobState:
-    status = row["status"]
-    if status in _WAITING:
-        return JobState.QUEUED
-    if status in _RUNNING:
-        return JobState.RUNNING
-    if status == "CANCELLED":
-        return JobState.CANCELLED
-    return JobState.FAILED if status in _BROKEN or row["problem"] else JobState.SUCCEEDED
-
-
-def _progress(row: sa.RowMapping, state: JobState) -> Progress | None:
-    if row["phase"] is None:
-        return None
-    if state is JobState.SUCCEEDED:  # what was told last may be a moment old
-        return Progress(row["phase"], row["total"], row["total"], 1.0)
-    return Progress(row["phase"], row["done"], row["total"], row["share"])
-
-
-def _finished(row: sa.RowMapping, state: JobState) -> datetime | None:
-    """When nothing happened to the job any more: DBOS's own time may be rounded down to seconds."""
-    if not state.is_final:
-        return None
-    return _time(row["finished_ms"] or max(row["completed_at"], row["started_ms"] or row["created_ms"]))
-
-
-def _time(ms: int) -> datetime:
-    return datetime.fromtimestamp(ms / 1000, UTC)

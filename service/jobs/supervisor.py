@@ -11,9 +11,12 @@ import sys
 import threading
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
 
 from service.jobs.places import ARTEFACTS, DATABASE, JobPlaces
 from service.jobs.running import GRACE_S
+from service.parentage import stops_blocked
 
 _LOG = logging.getLogger("rivetplan.jobs")
 _LOOK_S = 0.2
@@ -27,13 +30,23 @@ class Supervisor:
     """A thread that keeps `count` workers running, each a process of its own.
 
     Workers read this process's end from their standard input, so they never outlive it for long, whatever way
-    it ends.
+    it ends. prefix: of their names, where another process on this host has workers of its own. log: the file
+    that gets their lines; this process's stderr without it.
     """
 
-    def __init__(self, places: JobPlaces, count: int, retention_days: float) -> None:
+    def __init__(
+        self,
+        places: JobPlaces,
+        count: int,
+        retention_days: float,
+        *,
+        prefix: str = "",
+        log: Path | None = None,
+    ) -> None:
         environment = os.environ | {DATABASE: places.database, ARTEFACTS: str(places.artefacts)}
         options = ["--data", str(places.data), "--retention-days", f"{retention_days:g}", "--embedded"]
-        self._workers = [_Supervised(slot, options, environment) for slot in embedded_slots(count)]
+        slots = [prefix + slot for slot in embedded_slots(count)]
+        self._workers = [_Supervised(slot, options, environment, log) for slot in slots]
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._supervise, name="supervisor", daemon=True)
 
@@ -62,6 +75,13 @@ class Supervisor:
         for worker in self._workers:
             worker.wait(max(0.1, ending_by - time.monotonic()))
 
+    def kill(self) -> None:
+        """End the workers at once, with what they compute."""
+        self._stopping.set()
+        for worker in self._workers:
+            if worker.process is not None:
+                worker.process.kill()
+
     def _supervise(self) -> None:
         while not self._stopping.is_set():
             for worker in self._workers:
@@ -72,8 +92,10 @@ class Supervisor:
 class _Supervised:
     """One worker."""
 
-    def __init__(self, slot: str, options: Sequence[str], environment: Mapping[str, str]) -> None:
-        self._slot, self._environment = slot, environment
+    def __init__(
+        self, slot: str, options: Sequence[str], environment: Mapping[str, str], log: Path | None
+    ) -> None:
+        self._slot, self._environment, self._log = slot, environment, log
         self._command = [sys.executable, "-m", "service.cli", "worker", slot, *options]
         self._started_at = self._start_at = 0.0
         self._pause_s = _SHORTEST_S
@@ -97,7 +119,11 @@ class _Supervised:
             _LOG.error("worker %s ended with code %d; another begins", self._slot, code)
         if now >= self._start_at:
             self._started_at = now
-            self.process = subprocess.Popen(self._command, stdin=subprocess.PIPE, env=self._environment)
+            file = nullcontext() if self._log is None else self._log.open("ab")
+            with file as lines, stops_blocked():
+                self.process = subprocess.Popen(
+                    self._command, stdin=subprocess.PIPE, stdout=lines, stderr=lines, env=self._environment
+                )
 
     def leave(self) -> None:
         """Tell it to end."""

@@ -14,6 +14,7 @@ from service import tasks
 from service.access_schemas import AccessibilityRequest
 from service.answers import Answer
 from service.area_schemas import AreaRequest, VolumeRequest
+from service.batches.digest import keep_digest
 from service.free_volume_schemas import FreeVolumeRequest
 from service.jobs.child import Desk, Task
 from service.jobs.chunks import ChunkMemo
@@ -43,7 +44,9 @@ def program(request: bytes, desk: Desk) -> Answer:
     """Return a panel's program; runs that were planned before are not planned again."""
     order = _read(request, ProgramRequest)
     memo = ChunkMemo(desk.store, desk.after_chunk)
-    return tasks.program(order, _UNLIMITED, memo=memo, progress=_teller(desk))
+    answer = tasks.program(order, _UNLIMITED, memo=memo, progress=_teller(desk))
+    keep_digest(desk.store, answer.body)
+    return answer
 
 
 def _teller(desk: Desk) -> Callable[[ProgressEvent], None]:

@@ -25,13 +25,14 @@ from service.jobs.ledger import Ledger
 from service.jobs.locks import Locks, locks_of
 from service.jobs.places import JobPlaces
 from service.jobs.retention import tidy
+from service.jobs.roll import Roll, note_death
 from service.jobs.running import Lane
 from service.jobs.watchdog import Watchdog
 from service.jobs.workflows import Dispatcher
+from service.parentage import unblock
 
 SLOT = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,62}")
 """Names of workers: each is the worker's own, on every host, and stays the same when it is started again."""
-LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 _LOG = logging.getLogger("rivetplan.jobs")
 _PATIENCE_S, _AGAIN_S = 15.0, 0.2
 """[s] How long a lock is waited for: a database server may take 11 s to notice that a host is gone."""
@@ -64,7 +65,16 @@ def run_worker(
     dispatcher = Dispatcher(engine, slot, lanes)
     lanes["night"].warm()  # the other one may never be needed here
     dispatcher.begin()
-    watchdog = Watchdog(ledger, locks, dispatcher.take_over, lambda: _tidied(engine, store, retention_days))
+    roll = Roll(engine, slot)
+    ledger.insist(roll.enter)
+
+    def take_over(executor: str) -> int:
+        note_death(engine, executor)
+        count = dispatcher.take_over(executor)
+        ledger.note_taken_over(count)
+        return count
+
+    watchdog = Watchdog(ledger, locks, take_over, lambda: _tidied(engine, store, retention_days))
     watchdog.start()
     _LOG.info("worker %s is ready", slot)
     leaving.wait()
@@ -76,6 +86,7 @@ def run_worker(
     watchdog.stop()
     try:
         handed = ledger.hand_back()
+        roll.leave()
         _LOG.info("worker %s ends; %d jobs are handed back", slot, handed)
     except OperationalError as error:  # the watchdogs of others will see to it
         _LOG.warning("worker %s ends without the database: %s", slot, error.orig)
@@ -95,6 +106,7 @@ def _leaving(embedded: bool) -> threading.Event:
     signal.signal(signal.SIGTERM, leave)
     # Ctrl-C reaches the whole group of processes; the one that started this one decides
     signal.signal(signal.SIGINT, signal.SIG_IGN if embedded else leave)
+    unblock()
     if embedded:
         threading.Thread(target=_leave_with_input, args=(leaving,), daemon=True).start()
     return leaving

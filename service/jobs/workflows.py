@@ -7,7 +7,6 @@ What it does is the same however often it is begun: finished chunks and the answ
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping
 from typing import Any
 
@@ -50,7 +49,6 @@ class Dispatcher:
     def begin(self) -> None:
         """Take jobs from now on; what this executor left unfinished earlier comes again."""
         DBOS.launch()
-        logging.getLogger("dbos").propagate = False  # it writes its own lines
         for name, seconds in _POLLING_S.items():
             DBOS.register_queue(
                 name, worker_concurrency=1, polling_interval_sec=seconds, on_conflict="always_update"

@@ -2,7 +2,8 @@
 
 from fastapi import APIRouter, Response
 
-from service.answers import respond
+from service.answers import answered
+from service.deferral import DeferralDep, ordered
 from service.dependencies import EngineDep
 from service.documentation import answer, problems
 from service.strict_route import StrictRoute
@@ -11,11 +12,13 @@ from service.verification_schemas import VerificationRequest
 router = APIRouter(prefix="/v1/verifications", tags=["programs"], route_class=StrictRoute)
 
 
-@router.post("", responses=answer(200, "Verification") | problems())
-async def create_verification(order: VerificationRequest, engine: EngineDep) -> Response:
+@router.post("", responses=answer(200, "Verification") | ordered() | problems())
+async def create_verification(
+    order: VerificationRequest, engine: EngineDep, deferral: DeferralDep
+) -> Response:
     """Judge a program, ours or one edited by hand, as JSON or as a dialect's text, on a panel and a machine.
 
     What is wrong is in the answer, with result `rejected`, the block and the line of the text; that a line
-    cannot be understood, too. A program with more blocks than the synchronous budget is refused with 413.
+    cannot be understood, too. A program with more blocks than the synchronous budget becomes a job.
     """
-    return respond(await engine.verification(order), status=200)
+    return await deferral.respond("verification", order, lambda: engine.verification(order), answered)

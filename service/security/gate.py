@@ -17,6 +17,7 @@ from service.security.limits import Limits
 from service.security.scopes import PUBLIC
 from service.security.settings import SecuritySettings
 from service.security.watched import UnusableFile
+from service.trace import bind
 
 _LOG = logging.getLogger("rivetplan.security")
 
@@ -49,6 +50,7 @@ class Gate:
                 await respond(request, refused.problem, refused.headers)(request.scope, receive, send)
                 return
             request.state.caller = caller
+            bind(caller=caller.id)
             await self._app(request.scope, receive, send)
 
     def _admitted(self, request: Request) -> Caller:

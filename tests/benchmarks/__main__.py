@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import platform
 import time
@@ -14,8 +15,8 @@ from robots.machine import Machine
 from robots.machine_file import load_machine
 from robots.nc_blend import DEVIATION_MM
 from robots.panel_file import load_panel
-from tests.benchmarks import comparison, growth, laws, peers, rivals, whole
-from tests.benchmarks.corpus import LinkGroup, corpus, counted, example
+from tests.benchmarks import comparison, growth, interactive, laws, peers, rivals, whole
+from tests.benchmarks.corpus import EXAMPLES, LinkGroup, corpus, counted, example
 from tests.benchmarks.hard_links import (
     COLUMNS,
     KINDS,
@@ -43,7 +44,7 @@ class Sample:
     of each kind and die; of these `across` in the comparison. per_program: hard, and as many direct, links
     of each program. seeds: of ours and of the planner they are judged by; slow_seeds: of the others. panel:
     planned as a whole; law_seeds: of its links by every timing law. members: (stringers, frames) of the
-    panels of one growth curve; fasteners: sizes of the other.
+    panels of one growth curve; fasteners: sizes of the other. interactive: whether the service is measured.
     """
 
     panels: tuple[str, ...]
@@ -57,6 +58,7 @@ class Sample:
     law_seeds: int
     members: tuple[tuple[int, int], ...]
     fasteners: tuple[int, ...]
+    interactive: bool
 
 
 FULL = Sample(
@@ -71,6 +73,7 @@ FULL = Sample(
     law_seeds=3,
     members=((1, 0), (2, 0), (3, 1), (5, 1), (7, 3), (9, 5), (13, 9), (13, 15)),
     fasteners=(100, 300, 1_000, 3_000, 10_000),
+    interactive=True,
 )
 QUICK = Sample(
     panels=("fuselage", "crossing"),
@@ -84,6 +87,7 @@ QUICK = Sample(
     law_seeds=1,
     members=((1, 0), (3, 1), (7, 3)),
     fasteners=(100, 300),
+    interactive=False,
 )
 
 
@@ -104,6 +108,8 @@ def main() -> None:
     made["paper"] = _paper(crossings)
     made["comparison"] = _comparison(sample, machine, crossings)
     made["growth"] = _growth(sample, machine)
+    if sample.interactive:
+        made["interactive"] = _interactive()
     made["seconds"] = time.perf_counter() - begin
     OUT.parent.mkdir(exist_ok=True)
     OUT.write_text(as_json(made), encoding="utf-8")
@@ -212,6 +218,16 @@ def _settings(groups: list[LinkGroup], sample: Sample, costs: comparison.Binding
         f"{1e6 * costs.call:.2f} us for each call from OMPL into Python and {1e6 * costs.answer:.2f} us for "
         "each call of compiled code"
     )
+
+
+def _interactive() -> interactive.Loads:
+    _title("Motions over HTTP on this machine, client included")
+    loads = interactive.measured(json.loads((EXAMPLES / f"{SHELL}.json").read_text(encoding="utf-8")))
+    print(interactive.table(loads))
+    print(f"p99 of 20 who think, batch beside, in medians of one client: {loads.thinking_ratio:.1f}")
+    print(f"p99 of 20 at once, batch beside, in medians of the same, idle: {loads.at_once_ratio:.1f}")
+    print(f"the event loop was late by over 50 ms because of the service: {loads.blocks} times")
+    return loads
 
 
 def _growth(sample: Sample, machine: Machine) -> list[growth.Curve]:

@@ -9,24 +9,30 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 import httpx
 import pytest
 import uvicorn
 from fastapi import FastAPI
 
+from robots.errors import InvalidInput
 from service import tasks
 from service.access_schemas import AccessibilityRequest
 from service.answers import Answer
 from service.app import create_app
 from service.area_schemas import AreaRequest, VolumeRequest
+from service.errors import ProblemError, of_invalid_input
 from service.free_volume_schemas import FreeVolumeRequest
 from service.pattern_schemas import RivetPatternRequest
+from service.reading_task import read
+from service.schema_base import Strict
 from service.schemas import MotionRequest, ProgramRequest
 from service.settings import Settings
 from service.strict_json import JsonLimits
 from service.verification_schemas import VerificationRequest
 
+M = TypeVar("M", bound=Strict)
 ROOT = Path(__file__).parents[2]
 CROSSING = ROOT / "openapi" / "examples" / "crossing.json"
 SETTINGS = Settings(json=JsonLimits(max_bytes=20_000, max_depth=20))
@@ -45,6 +51,14 @@ class FakeEngine:
 
     async def close(self) -> None:
         pass
+
+    async def read(self, model: type[M], text: bytes, limits: JsonLimits) -> M:
+        try:
+            request = read(model, text, limits, SETTINGS)
+        except InvalidInput as invalid:
+            raise ProblemError(of_invalid_input(invalid)) from None
+        assert isinstance(request, model)
+        return request
 
     async def program(self, request: ProgramRequest) -> Answer:
         return self._answer(request)
@@ -69,6 +83,9 @@ class FakeEngine:
 
     async def verification(self, request: VerificationRequest) -> Answer:
         return tasks.verification(request, SETTINGS)
+
+    async def program_text(self, file: str, form: str) -> Answer:
+        return tasks.program_text(file, form, SETTINGS)
 
     async def rivet_pattern(self, request: RivetPatternRequest) -> Answer:
         return tasks.rivet_pattern(request, SETTINGS)

@@ -165,10 +165,10 @@ def test_unknown_address_is_a_404_problem(client: httpx.Client) -> None:
     [
         ("GET", "/v1/programs", "POST"),
         ("DELETE", "/v1/motions", "POST"),
-        ("POST", "/v1/machines", "GET"),
-        ("PUT", "/v1/machines/riveter", "GET"),
-        ("PATCH", "/health/live", "GET"),
-        ("POST", "/openapi.json", "GET"),
+        ("POST", "/v1/machines", "GET, HEAD"),
+        ("PUT", "/v1/machines/riveter", "GET, HEAD"),
+        ("PATCH", "/health/live", "GET, HEAD"),
+        ("POST", "/openapi.json", "GET, HEAD"),
     ],
 )
 def test_wrong_method_is_a_405_problem_with_the_methods_there_are(

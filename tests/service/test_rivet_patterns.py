@@ -246,8 +246,8 @@ WRONG: dict[str, tuple[dict[str, Any], str, str]] = {
     "no unit": (order(FLAT, sheets=[{}, {"mm": 1}]), "/sheets/0/mm", "missing"),
     "no kind": (order({"length": {"mm": 1}}), "/pattern", "union_tag_not_found"),
     "unknown kind": (order(FLAT | {"kind": "spiral"}), "/pattern", "union_tag_invalid"),
-    "no length": (order({"kind": "sheet", "width": {"mm": 100}}), "/pattern/length", "missing"),
-    "no row length": (order({"kind": "lap_joint"}), "/pattern/row_length", "missing"),
+    "no length": (order({"kind": "sheet", "width": {"mm": 100}}), "/pattern/length", "not_given"),
+    "no row length": (order({"kind": "lap_joint"}), "/pattern/row_length", "not_given"),
     "too many rivets": (
         order({"kind": "sheet", "length": {"mm": 100_000}, "width": {"mm": 100_000}}),
         "/pattern",

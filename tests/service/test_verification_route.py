@@ -38,6 +38,9 @@ class _Engine(FakeEngine):
     async def verification(self, request: VerificationRequest) -> Answer:
         return tasks.verification(request, LIMITS)
 
+    async def program_text(self, file: str, form: str) -> Answer:
+        return tasks.program_text(file, form, LIMITS)
+
 
 @pytest.fixture(scope="module")
 def verifier() -> Iterator[httpx.Client]:

@@ -1,5 +1,6 @@
 """Tasks of jobs that crash in every way, in chunks that leave a line each time one is computed."""
 
+import errno
 import json
 import os
 import signal
@@ -12,7 +13,7 @@ from service.jobs.child import Desk
 from service.jobs.fingerprint import fingerprint
 from service.jobs.model import Progress
 
-LOG = "computed.log"
+LOG, FULL = "computed.log", "full"
 
 
 def chunks(request: bytes, desk: Desk) -> Answer:
@@ -48,9 +49,24 @@ def _crash(desk: Desk, name: str, how: str, times: int) -> None:
         raise ProblemError(problem("invalid_input", "There is nothing to do."))
     if how == "segfault":
         os.kill(os.getpid(), signal.SIGSEGV)
+    if how == "full":
+        fill(desk)
     if how == "poison":
         os.kill(os.getppid(), signal.SIGKILL)
         time.sleep(60.0)
+
+
+def fill(desk: Desk) -> None:
+    """Let the disk be full, for this process, as long as there is a file that says so."""
+    full, sync = desk.store.root.parent / FULL, os.fsync
+    full.touch()
+
+    def fsync(descriptor: int) -> None:
+        if full.exists():
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        sync(descriptor)
+
+    os.fsync = fsync  # type: ignore[assignment]
 
 
 def _note(desk: Desk, line: str) -> None:

@@ -22,7 +22,11 @@ def binaries() -> Path | None:
     found = shutil.which("initdb")
     if found is not None:
         return Path(found).resolve().parent
-    return max(Path("/usr/lib/postgresql").glob("*/bin"), default=None)
+    # Debian keeps them out of PATH, a directory for each version; clients alone bring no initdb
+    versions = {
+        float(path.parts[-3]): path.parent for path in Path("/usr/lib/postgresql").glob("*/bin/initdb")
+    }
+    return versions[max(versions)] if versions else None
 
 
 class Server:

@@ -16,8 +16,8 @@ from tests.service.jobs.site import Site
 from tests.service.jobs.test_crashes import begun, each_once
 
 pytestmark = pytest.mark.long
-TAKEOVER_S = 15.0
-"""[s] From a host that is cut off: the server waits for 11 s until it gives the lock away."""
+TAKEOVER_S = 11.0
+"""[s] From a host that is cut off: so long the server hears nothing of it before it gives the lock away."""
 
 
 @pytest.fixture

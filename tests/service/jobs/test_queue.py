@@ -5,19 +5,21 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 
 import pytest
 import sqlalchemy as sa
 from dbos import DBOS, DBOSPortableJSONSerializer
 
-from service.jobs.database import JOBS, prepare, workflows
+from service.jobs.database import now_ms, prepare, workflows
 from service.jobs.ledger import Ledger
 from service.jobs.locks import locks_of
-from service.jobs.model import IdempotencyConflict, Job, JobState, NewJob
+from service.jobs.model import IdempotencyConflict, Job, JobState, NewJob, QueueLoad, UnknownPage
 from service.jobs.places import JobPlaces
-from service.jobs.queue import DbosJobs
+from service.jobs.queue import DbosJobs, id_of
 from service.jobs.retention import tidy
+from service.jobs.schema import BATCH_ITEMS, BATCHES, JOBS
 from tests.service.jobs.site import Site
 
 
@@ -128,24 +130,53 @@ def test_old_jobs_go_with_their_artefacts(site: Site) -> None:
         assert connection.execute(sa.select(sa.func.count()).select_from(flows)).scalar() == 2
 
 
-async def _cancelled(jobs: DbosJobs, name: str) -> Job:
-    job = await jobs.submit(new(name))
+def test_jobs_of_a_batch_go_together_and_then_the_batch(site: Site) -> None:
+    """One of them was finished lately, or not at all; others are not touched by it."""
+    first, second, third, single = (
+        site.use(lambda jobs, batch=batch: _cancelled(jobs, "x", batch))  # type: ignore[misc]
+        for batch in ("b", "b", "c", None)
+    )
+    flows, store, days = workflows(site.engine), site.places.store(), 2.0
+
+    def completed(job: Job, ago: float) -> None:
+        at = {"completed_at": now_ms() - int(ago * 86_400_000)}
+        with site.engine.begin() as connection:
+            connection.execute(flows.update().where(flows.c.workflow_uuid == job.id).values(at))
+
+    def left() -> tuple[set[str], set[str]]:
+        with site.engine.connect() as connection:
+            items = set(connection.execute(sa.select(BATCH_ITEMS.c.batch)).scalars())
+            batches = set(connection.execute(sa.select(BATCHES.c.id)).scalars())
+        assert items == batches
+        listed, _ = site.use(lambda jobs: jobs.list())
+        return {job.id for job in listed}, batches
+
+    with site.engine.begin() as connection:
+        for batch in ("b", "c", "new"):
+            created_ms = now_ms() if batch == "new" else 0
+            row = {"id": batch, "caller": "mes", "title": "", "request_sha256": "", "created_ms": created_ms}
+            connection.execute(BATCHES.insert().values(row))
+            connection.execute(BATCH_ITEMS.insert().values(batch=batch, number=1, job="", panel=""))
+    for job in (first, third, single):
+        completed(job, ago=3.0)
+
+    assert tidy(site.engine, store, days) == 2
+    assert left() == ({first.id, second.id}, {"b", "new"})
+    with site.engine.begin() as connection:
+        connection.execute(flows.update().where(flows.c.workflow_uuid == second.id).values(status="PENDING"))
+    completed(second, ago=3.0)
+    assert tidy(site.engine, store, days) == 0
+    with site.engine.begin() as connection:
+        connection.execute(flows.update().where(flows.c.workflow_uuid == second.id).values(status="ERROR"))
+    assert tidy(site.engine, store, days) == 2
+    assert left() == (set(), {"new"})
+
+
+async def _cancelled(jobs: DbosJobs, name: str, batch: str | None = None) -> Job:
+    job = await jobs.submit(new(name, batch=batch))
     cancelled = await jobs.cancel(job.id)
     assert cancelled is not None
     return cancelled
-
-
-def test_tables_may_be_made_by_several_processes_at_once(site: Site) -> None:
-    code = (
-        "import sys; from pathlib import Path; from service.jobs.places import JobPlaces;"
-        "from service.jobs.database import prepare;"
-        "prepare(JobPlaces(Path(sys.argv[1]), sys.argv[2], Path(sys.argv[1])))"
-    )
-    directory, database = site.places.data / "new", site.places.database + "new"
-    command = [sys.executable, "-c", code, str(directory), database]
-    started = [subprocess.Popen(command, env=site.environment) for _ in range(3)]
-
-    assert [process.wait(60.0) for process in started] == [0, 0, 0]
 
 
 def test_a_lock_is_one_process_and_ends_with_it(site: Site) -> None:
@@ -217,3 +248,102 @@ def test_places_are_in_one_directory_unless_the_environment_says_otherwise(site:
     )
     assert (other.database, str(other.artefacts), other.is_sqlite) == ("postgresql://h/d", "/srv/a", False)
     prepare(usual)  # once more: nothing happens
+
+
+@pytest.mark.parametrize(
+    "after",
+    ["", "x", "1", "1-", "-1-" + "0" * 32, "1-" + "g" * 32, "1" * 19 + "-" + "0" * 32, "\u0661-" + "0" * 32],
+)
+def test_a_list_goes_on_only_after_what_a_list_has_told(site: Site, after: str) -> None:
+    with pytest.raises(UnknownPage):
+        site.use(lambda jobs: jobs.list(after=after))
+
+
+def test_several_jobs_are_made_at_once_or_none(site: Site) -> None:
+    def beside(connection: sa.Connection) -> None:
+        connection.execute(sa.text("INSERT INTO beside VALUES (1)"))
+
+    def counted() -> tuple[int, int]:
+        with site.engine.connect() as connection:
+            told = connection.execute(sa.text("SELECT count(*) FROM beside")).scalar_one()
+            return told, connection.execute(sa.select(sa.func.count()).select_from(JOBS)).scalar_one()
+
+    with site.engine.begin() as connection:
+        connection.execute(sa.text("CREATE TABLE beside (x INTEGER)"))
+    several = [new(f"{number}", key=f"k{number}", batch="b") for number in range(5)]
+    made = site.use(lambda jobs: jobs.submit_all(several, beside=beside))
+    assert [job.title for job in made] == [job.title for job in several]
+    assert counted() == (1, 5)
+    flows = workflows(site.engine)
+    with site.engine.connect() as connection:
+        taken = connection.execute(sa.select(flows.c.workflow_uuid).order_by(flows.c.created_at)).scalars()
+        assert list(taken) == [job.id for job in made]
+
+    again = site.use(lambda jobs: jobs.submit_all([*reversed(several), new("5", key="k5")]))
+    assert [job.id for job in again[:5]] == [job.id for job in reversed(made)]
+    assert counted() == (1, 6)
+    with pytest.raises(IdempotencyConflict):
+        site.use(lambda jobs: jobs.submit_all([new("6", key="k6"), new("x", key="k0")], beside=beside))
+    assert counted() == (1, 6)
+
+
+def test_the_same_jobs_may_be_made_at_once_in_any_order(site: Site) -> None:
+    several = [new(f"{number}", key=f"k{number}") for number in range(20)]
+
+    async def made(jobs: DbosJobs) -> list[Sequence[Job]]:
+        orders = [several, several[::-1]] * 4
+        return await asyncio.gather(*(jobs.submit_all(order) for order in orders))
+
+    assert {frozenset(job.id for job in each) for each in site.use(made)} == {frozenset(map(id_of, several))}
+
+
+def test_queues_batches_and_callers_are_counted(site: Site) -> None:
+    async def counted(jobs: DbosJobs) -> None:
+        assert await jobs.tallies(["b", "none"]) == {}
+        assert await jobs.loads() == {name: QueueLoad(0, 0, 0.0) for name in ("interactive", "night")}
+        made = await jobs.submit_all([new(str(number), batch="b", trace="t") for number in range(4)])
+        await jobs.submit(new("urgent", queue="interactive", caller="other"))
+        await jobs.cancel(made[0].id)
+        assert (await jobs.waiting("mes"), await jobs.waiting("other"), await jobs.waiting("x")) == (3, 1, 0)
+        loads = await jobs.loads()
+        assert [(load.waiting, load.running) for load in loads.values()] == [(1, 0), (3, 0)]
+        assert all(0.0 <= load.oldest_s < 60.0 for load in loads.values())
+        tallies = await jobs.tallies(["b", "none"])
+        assert list(tallies) == ["b"]
+        counts = {state: count for state, count in tallies["b"].counts.items() if count}
+        assert counts == {JobState.CANCELLED: 1, JobState.QUEUED: 3}
+        assert (tallies["b"].share, tallies["b"].left_s) == (0.25, None)
+        assert made[1].trace == "t"
+
+    site.use(counted)
+
+
+def test_what_waits_knows_its_turn_once_jobs_were_finished(site: Site) -> None:
+    """Two jobs of the queue took 30 s and 50 s; one runs, 10 s are left; then the others, one by one."""
+    made = site.use(lambda jobs: jobs.submit_all([new(str(number), batch="b") for number in range(5)]))
+    flows, ids = workflows(site.engine), [job.id for job in made]
+    with site.engine.begin() as connection:
+
+        def note(index: int, status: str, **known: object) -> None:
+            connection.execute(
+                flows.update().where(flows.c.workflow_uuid == ids[index]).values(status=status)
+            )
+            connection.execute(JOBS.update().where(JOBS.c.id == ids[index]).values(created_ms=index, **known))
+
+        note(0, "SUCCESS", finished_ms=1, spent_s=30.0, share=1.0)
+        note(1, "SUCCESS", finished_ms=2, spent_s=50.0, share=1.0)
+        note(2, "PENDING", left_s=10.0, share=0.5)
+        note(3, "ENQUEUED", share=0.25)
+        note(4, "ENQUEUED")
+
+    async def asked(jobs: DbosJobs) -> None:
+        listed, _ = await jobs.list()
+        assert {job.id: job.left_s for job in listed} == dict(
+            zip(ids, (None, None, 10.0, 40.0, 80.0), strict=True)
+        )
+        tally = (await jobs.tallies(["b"]))["b"]
+        assert tally.left_s == 80.0
+        assert tally.share == pytest.approx((1 + 1 + 0.5 + 0.25 + 0) / 5)
+
+    site.use(asked)
+    assert site.job(made[4]).left_s == 80.0

@@ -62,3 +62,11 @@ def test_a_supervisor_starts_again_what_ends_and_leaves_nothing(tmp_path: Path) 
         supervisor.stop()
         assert supervisor.pids == []
         site.close()
+
+
+def test_a_worker_itself_brings_no_native_code() -> None:
+    """Its child does: the worker begins in a moment, and survives what that code does."""
+    code = "import sys, service.jobs.worker; print({'numba', 'coal', 'pinocchio'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+
+    assert done.stdout == "set()\n"

@@ -95,6 +95,9 @@ class ReadingEngine(FakeEngine):
     async def verification(self, request: VerificationRequest) -> Answer:
         return tasks.verification(request, SETTINGS)
 
+    async def program_text(self, file: str, form: str) -> Answer:
+        return tasks.program_text(file, form, SETTINGS)
+
 
 APP = create_app(engine=ReadingEngine())
 

@@ -1,0 +1,1 @@
+"""Batches: many programs for a night, and the report in the morning."""
