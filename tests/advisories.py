@@ -20,7 +20,7 @@ from packaging.specifiers import SpecifierSet
 
 ROOT = Path(__file__).parents[1]
 FILE = Path(__file__).with_suffix(".json")
-#: Younger than the clone at hand, or not in it; added by hand.
+#: Younger than the clone at hand; added by hand, each as public threads of its fix tell it.
 LATER = [
     {"id": "CVE-2024-12797", "package": "cryptography", "affected": [">=42.0.0,<44.0.1"]},
     {"id": "CVE-2024-47874", "package": "starlette", "affected": ["<0.40.0"]},
@@ -29,6 +29,11 @@ LATER = [
     {"id": "CVE-2025-47273", "package": "setuptools", "affected": ["<78.1.1"]},
     {"id": "CVE-2025-54121", "package": "starlette", "affected": ["<0.47.2"]},
     {"id": "CVE-2025-62727", "package": "starlette", "affected": [">=0.39.0,<0.49.1"]},
+    {"id": "CVE-2026-32597", "package": "pyjwt", "affected": ["<2.12.0"]},
+    {"id": "CVE-2026-48526", "package": "pyjwt", "affected": ["<2.13.0"]},
+    {"id": "CVE-2026-54282", "package": "starlette", "affected": ["<1.3.1"]},
+    {"id": "CVE-2026-54283", "package": "starlette", "affected": ["<1.3.1"]},
+    {"id": "GHSA-537c-gmf6-5ccf", "package": "cryptography", "affected": [">=0.5.0,<48.0.1"]},
 ]
 LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-bench.lock")
 

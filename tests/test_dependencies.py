@@ -82,6 +82,7 @@ def test_known_holes_are_found() -> None:
     advisories = json.loads(FILE.read_text())["advisories"]
 
     assert "PYSEC-2022-202" in affecting("pyjwt", "2.3.0", advisories)
-    assert affecting("pyjwt", "2.10.0", advisories) == ["CVE-2024-53861"]
+    assert "CVE-2024-53861" in affecting("pyjwt", "2.10.0", advisories)
+    assert "CVE-2024-53861" not in affecting("pyjwt", "2.10.1", advisories)
     assert "PYSEC-2021-47" in affecting("pydantic", "1.7.3", advisories)
     assert "PYSEC-2021-47" not in affecting("pydantic", "1.7.4", advisories)
