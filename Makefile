@@ -17,8 +17,8 @@ setup: .venv/installed ## create .venv from the lock file and install rivetplan 
 demo: setup ## an A320 shell as a job of the service, verified from its file, and a small panel at once
 	@$(BIN)/python -m service.demo
 
-test: lint ## lint and the tests that are not marked long
-	$(BIN)/python -m pytest -q -m "not long"
+test: lint ## lint and the tests that are not marked long, on up to eight cores
+	$(BIN)/python -m pytest -q -m "not long" --numprocesses logical --maxprocesses 8 --dist loadfile
 
 test-long: setup ## the tests that take minutes
 	$(BIN)/python -m pytest -q -m long
