@@ -19,6 +19,9 @@ from service import __version__, cli_batch, cli_keys, cli_service, cli_tools
 from service.exits import REJECTED, UNUSABLE, or_exit
 from service.options import (
     AnswerOption,
+    ApproachClearOption,
+    ApproachMaxOption,
+    ApproachOrderOption,
     DieOption,
     EnvelopeOption,
     MachineOption,
@@ -97,16 +100,9 @@ def plan(
     order_file: Annotated[
         Path | None, typer.Option(metavar="ORDER.json", help="Rules of the order. [default: none]")
     ] = None,
-    approach_order: Annotated[
-        int | None,
-        typer.Option(min=0, max=100, help="Intermediate points between fasteners. [default: straight]"),
-    ] = None,
-    approach_clear_mm: Annotated[
-        float | None, typer.Option(min=0, max=1000, help="Their height at the fasteners. [default: 0]")
-    ] = None,
-    approach_max_mm: Annotated[
-        float | None, typer.Option(min=0, max=1000, help="Their height in the middle. [default: as there]")
-    ] = None,
+    approach_order: ApproachOrderOption = None,
+    approach_clear_mm: ApproachClearOption = None,
+    approach_max_mm: ApproachMaxOption = None,
     escapes: Annotated[
         Path | None,
         typer.Option(

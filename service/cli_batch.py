@@ -8,7 +8,7 @@ import typer
 
 from service.cli_service import DataOption, RetentionOption, data_directory
 from service.exits import INTERRUPTED, REJECTED, or_exit
-from service.options import DieOption
+from service.options import ApproachClearOption, ApproachMaxOption, ApproachOrderOption, DieOption
 
 
 def register(app: typer.Typer) -> None:
@@ -39,16 +39,9 @@ def batch(
         Literal["as_given", "shortest_time", "thesis", "middle_out"],
         typer.Option(help="In which order fasteners are done."),
     ] = "as_given",
-    approach_order: Annotated[
-        int | None,
-        typer.Option(min=0, max=100, help="Intermediate points between fasteners. [default: straight]"),
-    ] = None,
-    approach_clear_mm: Annotated[
-        float | None, typer.Option(min=0, max=1000, help="Their height at the fasteners. [default: 0]")
-    ] = None,
-    approach_max_mm: Annotated[
-        float | None, typer.Option(min=0, max=1000, help="Their height in the middle. [default: as there]")
-    ] = None,
+    approach_order: ApproachOrderOption = None,
+    approach_clear_mm: ApproachClearOption = None,
+    approach_max_mm: ApproachMaxOption = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Where programs go. [default: PANEL.nc.json beside each panel]"),

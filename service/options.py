@@ -30,3 +30,13 @@ EnvelopeOption = Annotated[
 ResidualOption = Annotated[
     float | None, typer.Option(help="How far off the best rigid fit a point may be. [default: 0.5]")
 ]
+ApproachOrderOption = Annotated[
+    int | None,
+    typer.Option(min=0, max=100, help="Intermediate points between fasteners. [default: straight]"),
+]
+ApproachClearOption = Annotated[
+    float | None, typer.Option(min=0, max=1000, help="Their height at the fasteners. [default: 0]")
+]
+ApproachMaxOption = Annotated[
+    float | None, typer.Option(min=0, max=1000, help="Their height in the middle. [default: as there]")
+]
