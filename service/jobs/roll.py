@@ -34,9 +34,13 @@ class Roll:
 
     def leave(self) -> None:
         """Say that this worker ends in good order."""
+        self.fall_silent()
+        self._write(ended_ms=now_ms())
+
+    def fall_silent(self) -> None:
+        """Say no more that this worker runs."""
         self._leaving.set()
         self._thread.join()
-        self._write(ended_ms=now_ms())
 
     def _keep(self) -> None:
         while not self._leaving.wait(SEEN_EVERY_S):

@@ -15,7 +15,7 @@ from robots.machine import Machine
 from robots.machine_file import load_machine
 from robots.nc_blend import DEVIATION_MM
 from robots.panel_file import load_panel
-from tests.benchmarks import comparison, growth, interactive, laws, peers, rivals, whole
+from tests.benchmarks import comparison, growth, interactive, laws, peers, rivals, served, whole
 from tests.benchmarks.corpus import EXAMPLES, LinkGroup, corpus, counted, example
 from tests.benchmarks.hard_links import (
     COLUMNS,
@@ -110,6 +110,7 @@ def main() -> None:
     made["growth"] = _growth(sample, machine)
     if sample.interactive:
         made["interactive"] = _interactive()
+        made["bodies"] = _bodies()
     made["seconds"] = time.perf_counter() - begin
     OUT.parent.mkdir(exist_ok=True)
     OUT.write_text(as_json(made), encoding="utf-8")
@@ -222,12 +223,30 @@ def _settings(groups: list[LinkGroup], sample: Sample, costs: comparison.Binding
 
 def _interactive() -> interactive.Loads:
     _title("Motions over HTTP on this machine, client included")
-    loads = interactive.measured(json.loads((EXAMPLES / f"{SHELL}.json").read_text(encoding="utf-8")))
+    loads = interactive.measured(_example_json(SHELL))
     print(interactive.table(loads))
-    print(f"p99 of 20 who think, batch beside, in medians of one client: {loads.thinking_ratio:.1f}")
+    print(f"p99 of 20 who think, batch beside, in medians of the same, idle: {loads.thinking_ratio:.1f}")
     print(f"p99 of 20 at once, batch beside, in medians of the same, idle: {loads.at_once_ratio:.1f}")
     print(f"the event loop was late by over 50 ms because of the service: {loads.blocks} times")
     return loads
+
+
+def _example_json(name: str) -> dict[str, object]:
+    found: dict[str, object] = json.loads((EXAMPLES / f"{name}.json").read_text(encoding="utf-8"))
+    return found
+
+
+def _bodies() -> served.Bodies:
+    _title("Bodies of megabytes over HTTP")
+    bodies = served.measured(_example_json(SHELL), _example_json("crossing"))
+    print(served.table(bodies))
+    waits = spread(bodies.waits)
+    print(
+        f"orders of {bodies.sent / 1e6:.1f} MB, three at once; meanwhile others waited "
+        f"{1e3 * waits.median:.1f} ms, p99 {1e3 * waits.p99:.1f} ms"
+    )
+    print(f"the event loop was late by over 50 ms because of the service: {bodies.blocks} times")
+    return bodies
 
 
 def _growth(sample: Sample, machine: Machine) -> list[growth.Curve]:

@@ -42,8 +42,8 @@ class Loads:
 
     @property
     def thinking_ratio(self) -> float:
-        """p99 with a batch beside, in medians of a client alone."""
-        return self.thinking.p99 / self.alone.median
+        """p99 with a batch beside, in medians of the same clients without."""
+        return self.thinking.p99 / self.thinking_idle.median
 
     @property
     def at_once_ratio(self) -> float:
