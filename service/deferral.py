@@ -19,6 +19,8 @@ from service.documentation import Responses, model_reference
 from service.errors import ProblemError, problem
 from service.job_schemas import Deferrable, JobOptions, job_address, shown
 from service.jobs.model import IdempotencyConflict, Job, Jobs, NewJob
+from service.jobs.queue import id_of
+from service.negotiation import members
 from service.security.caller import Caller
 from service.settings import Settings
 from service.trace import traceparent
@@ -81,8 +83,10 @@ class Deferral:
 
     async def _ordered(self, jobs: Jobs, kind: str, order: Deferrable, headers: dict[str, str]) -> Response:
         retry_after_s = str(self._settings.retry_after_s)
-        await self._refuse_too_many(jobs, retry_after_s)
-        job = await _submitted(jobs, _new_job(kind, order, self._caller, self._key))
+        new = _new_job(kind, order, self._caller, self._key)
+        if new.key is None or await jobs.get(id_of(new)) is None:  # one that is sent again is there already
+            await self._refuse_too_many(jobs, retry_after_s)
+        job = await _submitted(jobs, new)
         headers |= {"Location": job_address(job.id), "Retry-After": retry_after_s}
         return Response(canonical_json(shown(job)), 202, headers, media_type="application/json")
 
@@ -100,7 +104,7 @@ DeferralDep = Annotated[Deferral, Depends(Deferral)]
 
 def prefers_async(header: str) -> bool:
     """Whether a Prefer header asks for a job; other preferences are not known here, and may be left."""
-    names = (item.partition(";")[0].partition("=")[0] for item in header.split(","))
+    names = (item.partition(";")[0].partition("=")[0] for item in members(header))
     return any(name.strip().lower() == _ASYNC for name in names)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 
 from starlette.requests import Request
@@ -10,13 +11,17 @@ from service.jobs.model import Encoding
 
 _ENCODINGS: tuple[Encoding, ...] = ("zstd", "gzip", "identity")
 """What is kept compressed, best first."""
+_QUOTED = re.compile(r'"(?:[^"\\]|\\.)*(?:"|\\?$)')
 
 
 def weight(request: Request, media_type: str) -> float:
-    """How much the client wants a media type: the most specific range of its Accept header counts."""
+    """How much the client wants a media type: the most specific range of its Accept header counts.
+
+    Parameters of a range are passed over; a header without a range says nothing.
+    """
     ranges = ["*/*", f"{media_type.partition('/')[0]}/*", media_type]
     best, found = -1, 0.0
-    for name, quality in _items(request.headers.getlist("accept") or ["*/*"]):
+    for name, quality in list(_items(request.headers.getlist("accept"))) or [("*/*", 1.0)]:
         rank = ranges.index(name) if name in ranges else -1
         if rank > best:
             best, found = rank, quality
@@ -31,7 +36,8 @@ def preferred(request: Request, media_types: Sequence[str]) -> str | None:
 
 def encodings(request: Request) -> list[Encoding]:
     """The encodings that the client takes, the best first; `identity` is taken unless it is refused."""
-    stated = dict(_items(request.headers.getlist("accept-encoding")))
+    listed = _items(request.headers.getlist("accept-encoding"))
+    stated = {"gzip" if name == "x-gzip" else name: quality for name, quality in listed}
     others = stated.get("*", 0.0)
     wanted = {each: stated.get(each, others) for each in _ENCODINGS}
     if "identity" not in stated and not ("*" in stated and others == 0.0):
@@ -46,9 +52,14 @@ def is_known(request: Request, etag: str) -> bool:
     return "*" in listed or etag in (item.removeprefix("W/") for item in listed)
 
 
+def members(value: str) -> list[str]:
+    """The members of a header that is a list; what they have in quotes is left out."""
+    return _QUOTED.sub('""', value).split(",")
+
+
 def _items(values: Iterable[str]) -> Iterable[tuple[str, float]]:
     for value in values:
-        for item in value.split(","):
+        for item in members(value):
             name, *parameters = (part.strip().lower() for part in item.split(";"))
             if name:
                 yield name, _quality(parameters)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response
+from starlette.types import Receive, Scope, Send
 
 from service.errors import ProblemError, problem
 from service.jobs.model import Artefacts, Encoding
@@ -24,7 +25,13 @@ _CHUNK = 1024 * 1024
 
 
 class _Artefact(FileResponse):
+    """A file, always whole: a Range that cannot be served would be answered without a problem document."""
+
     chunk_size = _CHUNK
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        headers = [each for each in scope["headers"] if each[0] != b"range"]
+        await super().__call__({**scope, "headers": headers}, receive, send)
 
 
 async def serve(
@@ -41,11 +48,13 @@ async def serve(
     taken = encodings(request)
     found = await asyncio.to_thread(_file, artefacts, sha256, taken)
     if found is None:
-        raise not_kept() if taken else _not_acceptable()
+        is_there = await asyncio.to_thread(artefacts.path, sha256) is not None
+        raise _not_acceptable() if is_there else not_kept()
     path, encoding = found
     compressed = encoding != "identity"
     etag = f'"{sha256}-{encoding}"' if compressed else f'"{sha256}"'
-    sent = {"ETag": etag, "Cache-Control": _FOREVER, "Vary": "Accept, Accept-Encoding", **(headers or {})}
+    sent = {"ETag": etag, "Cache-Control": _FOREVER, "Vary": "Accept, Accept-Encoding"}
+    sent |= {"Accept-Ranges": "none", **(headers or {})}
     for known in (etag, f'"{sha256}"', *(f'"{sha256}-{each}"' for each in taken)):
         if is_known(request, known):  # in whichever encoding it has the content
             return Response(status_code=304, headers=sent | {"ETag": known})

@@ -85,7 +85,10 @@ class FakeEngine:
         return tasks.verification(request, SETTINGS)
 
     async def program_text(self, file: str, form: str) -> Answer:
-        return tasks.program_text(file, form, SETTINGS)
+        try:
+            return tasks.program_text(file, form, SETTINGS)
+        except InvalidInput as invalid:
+            raise ProblemError(of_invalid_input(invalid)) from None
 
     async def rivet_pattern(self, request: RivetPatternRequest) -> Answer:
         return tasks.rivet_pattern(request, SETTINGS)
