@@ -9,7 +9,7 @@ the arc length across, 0 on the crown. Depths and heights are measured inwards f
 from __future__ import annotations
 
 import unicodedata
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic_core import PydanticCustomError
@@ -240,6 +240,13 @@ class AdjustmentDefinition(Strict):
     tilt_arc_deg: Tilt = Field(default=0.0, description="towards +arc")
 
 
+def _by_name(schema: dict[str, Any]) -> None:
+    """State a map by names as generators of clients read it: they know no `patternProperties`."""
+    ((pattern, value),) = schema.pop("patternProperties").items()
+    schema["additionalProperties"] = value
+    schema["propertyNames"] = {"pattern": pattern} | schema.get("propertyNames", {})
+
+
 class PanelDefinition(Strict):
     """A panel: skin, members, fasteners. Program order: `fasteners` as listed, then `rows` as listed;
     `adjustments` are made last.
@@ -252,9 +259,7 @@ class PanelDefinition(Strict):
     skin: SkinDefinition
     sag_mm: Annotated[float, Field(ge=0.0, le=20.0, description="own shape uncertainty")] = 0.0
     mounting: MountingDefinition = MountingDefinition()
-    sections: dict[Name, SectionDefinition] = Field(
-        default={}, json_schema_extra={"additionalProperties": False}
-    )
+    sections: dict[Name, SectionDefinition] = Field(default={}, json_schema_extra=_by_name)
     doublers: list[PlateDefinition] = Field(default=[])
     straps: list[PlateDefinition] = Field(default=[])
     stringers: list[StringerDefinition] = Field(default=[])

@@ -2,6 +2,7 @@
 
 import os
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -43,15 +44,18 @@ def examine(
     seed: int | None = SEED,
     one_panel: bool = False,
     program: str | None = None,
+    headers: Mapping[str, str] | None = None,
 ) -> Examined:
     """Ask the application what schemathesis makes of its document.
 
     operations: names ("GET /v1/machines"), all without. examples: how many requests are made up for each
     operation by `fuzzing`, and how many chains of requests by `stateful`. seed: None takes a new one.
-    one_panel, program: see `prepared`.
+    one_panel, program: see `prepared`. headers: of every request.
     """
     chosen = seed if seed is not None else int.from_bytes(os.urandom(4), "big")
-    config = schemathesis.Config.from_dict(settings(key, phases, examples, chosen))
+    asked = settings(key, phases, examples, chosen)
+    asked["headers"] |= headers or {}
+    config = schemathesis.Config.from_dict(asked)
     document = prepared(app.openapi(), one_panel=one_panel, program=program)
     schema: schemathesis.BaseSchema = schemathesis.openapi.from_dict(document, config=config)
     schema.app = app

@@ -106,6 +106,16 @@ def _no_trace(answer: _Answer) -> None:
         answer.body = json.dumps(answer.json | {"trace_id": ""}).encode()
 
 
+def _no_location(answer: _Answer) -> None:
+    if answer.status == 202:
+        answer.headers.pop(b"location", None)
+
+
+def _another_state(answer: _Answer) -> None:
+    if answer.status == 202:
+        answer.body = json.dumps(answer.json | {"state": "waiting"}).encode()
+
+
 #: Faults that schemathesis finds on these operations.
 SCHEMATHESIS: Mapping[str, tuple[str, Create]] = {
     "answer lacks a required member": ("GET /v1/machines", _answers(_lacks_a_member)),
@@ -117,4 +127,10 @@ SCHEMATHESIS: Mapping[str, tuple[str, Create]] = {
     "problems as application/json": ("GET /v1/machines", _answers(_problems_as_json)),
     "405 without Allow": ("GET /v1/machines", _answers(_no_allow)),
     "problem without a trace": ("GET /v1/machines", _answers(_no_trace)),
+}
+
+#: Faults of POST /v1/programs that schemathesis finds where it asks for jobs.
+OF_JOBS: Mapping[str, Create] = {
+    "job without a place": _answers(_no_location),
+    "job in a state nobody documented": _answers(_another_state),
 }

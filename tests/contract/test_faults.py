@@ -9,6 +9,7 @@ from typing import Any
 import httpx
 import pytest
 
+from service.app import create_app
 from service.jobs.model import Job
 from service.jobs.queue import DbosJobs
 from service.schema_base import whole
@@ -18,7 +19,7 @@ from service.security.scopes import Scope
 from tests.contract import test_deployment
 from tests.contract.document import bodies
 from tests.contract.examining import examine
-from tests.contract.faults import SCHEMATHESIS, Create
+from tests.contract.faults import OF_JOBS, SCHEMATHESIS, Create
 from tests.contract.site import Site, build
 from tests.contract.traps import TRAPS, bear_zero_fraction, refuse_query, spring
 from tests.service.conftest import serving
@@ -35,6 +36,22 @@ def test_schemathesis_finds(tmp_path: Path, operation: str, create: Create) -> N
     found = examine(faulty.app, key=faulty.key, operations=[operation], phases=QUICK, one_panel=True)
 
     assert found.failures
+
+
+@pytest.mark.parametrize("create", [*OF_JOBS.values(), None], ids=[*OF_JOBS, "nothing without a fault"])
+def test_schemathesis_finds_of_jobs(tmp_path: Path, create: Create | None) -> None:
+    asked = build(tmp_path, create or create_app)
+
+    found = examine(
+        asked.app,
+        key=asked.key,
+        operations=[f"POST {PROGRAMS}"],
+        phases=("examples",),
+        headers={"Prefer": "respond-async"},
+    )
+
+    assert found.answers[f"POST {PROGRAMS}", 202] > 0
+    assert bool(found.failures) is (create is not None)
 
 
 @pytest.mark.parametrize("operation", sorted({operation for operation, _ in SCHEMATHESIS.values()}))

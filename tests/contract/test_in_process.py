@@ -16,17 +16,22 @@ from tests.contract.document import bodies
 from tests.contract.examining import Examined, examine
 from tests.contract.site import Site
 
-OPERATIONS = sorted(
-    f"{method.upper()} {path}"
-    for path, item in json.loads(openapi.FILE.read_bytes())["paths"].items()
-    for method in item
-)
+DOCUMENT = json.loads(openapi.FILE.read_bytes())
+OPERATIONS = sorted(f"{method.upper()} {path}" for path, item in DOCUMENT["paths"].items() for method in item)
 
 #: Their schemas have so many cases that they take longer than all the others: for the long run.
 MANY = {"POST /v1/rivet-patterns", "POST /v1/accessibility-areas", "POST /v1/accessibility-volumes"}
 
 #: A job's result is there once a worker has computed it, and here is none: test_loopback has one.
 NOT_HERE = {"GET /v1/jobs/{job_id}/result"}
+
+#: What becomes a job where the client prefers that.
+DEFERRED = sorted(
+    f"POST {path}"
+    for path, item in DOCUMENT["paths"].items()
+    if "Prefer" in {each["name"] for each in item.get("post", {}).get("parameters", [])}
+)
+ASYNC = {"Prefer": "respond-async"}
 
 #: How many cases there must be, so that a version of schemathesis that makes up fewer is noticed.
 LEAST, LEAST_LONG = 800, 5_000
@@ -59,11 +64,14 @@ def test_every_operation_answers_as_documented(site: Site, program: str) -> None
         phases=("examples", "coverage"),
         one_panel=True,
         program=program,
-    ) + examine(site.app, key=site.key, operations=sorted(MANY), phases=("examples",))
+    )
+    found += examine(site.app, key=site.key, operations=sorted(MANY), phases=("examples",))
+    found += examine(site.app, key=site.key, operations=DEFERRED, phases=("examples",), headers=ASYNC)
 
     assert not found.failures, told(found)
     assert found.cases > LEAST
     assert succeeded(found) == set(OPERATIONS) - NOT_HERE
+    assert {name for name, status in found.answers if status == 202} >= set(DEFERRED)
 
 
 @pytest.mark.long

@@ -61,7 +61,7 @@ class Clients:
     @contextmanager
     def busy(self) -> Iterator[None]:
         """While inside, they ask."""
-        work = (self._ask, self._order)
+        work = (self._ask, self._order, self._follow)
         threads = [threading.Thread(target=self._until_stopped, args=(each,)) for each in work]
         for thread in threads:
             thread.start()
@@ -93,6 +93,29 @@ class Clients:
             self.asked += len(answers)
             assert [each.status_code for each in answers] == [200, 201, 200, 200, 422, 400], answers
             if self.stopping.wait(0.2):
+                return
+
+    def _follow(self) -> None:
+        """A job from order to program, and what is read beside."""
+        for number in itertools.count():
+            with httpx.Client(base_url=self._url, timeout=60.0, trust_env=False) as client:
+                asked = program(number % 3)
+                order = client.post("/v1/programs", json=asked, headers={"Prefer": "respond-async"})
+                assert order.status_code == 202, order.text
+                links = order.json()["links"]
+                with client.stream("GET", links["events"]) as events:
+                    if number % 3:  # else its reader leaves
+                        assert any('"succeeded"' in line for line in events.iter_lines())
+                if number % 3:
+                    result = client.get(links["self"]).json()["links"]["result"]
+                    forms = ("application/json", "text/x-apt")
+                    read = [client.get(result, headers={"Accept": form}) for form in forms]
+                    read += [client.get("/metrics"), client.get("/v1/jobs"), client.get("/v1/batches")]
+                else:
+                    read = [client.delete(links["self"])]
+            assert [each.status_code for each in read] == [200] * len(read), read
+            self.asked += len(read) + 2
+            if self.stopping.wait(0.5):
                 return
 
     def _order(self) -> None:
