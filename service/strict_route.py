@@ -1,6 +1,7 @@
 """The route class of the service: bodies, media types and query parameters are taken literally."""
 
 import asyncio
+from collections import Counter
 from collections.abc import Callable, Coroutine
 from typing import Any
 
@@ -43,7 +44,7 @@ class StrictRoute(APIRoute):
 
         async def strictly(request: Request) -> Response:
             check_scope(request.state.caller, needed_scope(f"{request.method} {self.path_format}"))
-            _refuse_unknown_query(request, known)
+            _refuse_odd_query(request, known)
             return await _while_connected(
                 request, handler(await _parsed(request, model, limits(request)) if has_body else request)
             )
@@ -111,16 +112,23 @@ async def _body(request: Request, limit: int) -> bytes:
     return b"".join(chunks)
 
 
-def _refuse_unknown_query(request: Request, known: list[str]) -> None:
-    unknown = sorted(set(request.query_params) - set(known))
-    if unknown:
-        remedy = f"Use one of: {', '.join(known)}." if known else "This address takes no query parameters."
-        raise InvalidInput(
-            [
-                InputProblem(name, "unknown_parameter", "unknown query parameter", None, remedy)
-                for name in unknown
-            ]
+def _refuse_odd_query(request: Request, known: list[str]) -> None:
+    """Refuse query parameters that nobody knows, and those that are stated twice."""
+    stated = Counter(name for name, _ in request.query_params.multi_items())
+    remedy = f"Use one of: {', '.join(known)}." if known else "This address takes no query parameters."
+    problems = [
+        InputProblem(name, "unknown_parameter", "unknown query parameter", None, remedy)
+        for name in sorted(set(stated) - set(known))
+    ]
+    problems += [
+        InputProblem(
+            name, "repeated_parameter", "the query parameter is stated twice", None, "State it once."
         )
+        for name in known
+        if stated[name] > 1
+    ]
+    if problems:
+        raise InvalidInput(problems)
 
 
 async def _while_connected(request: Request, work: Coroutine[Any, Any, Response]) -> Response:

@@ -75,7 +75,7 @@ def _lax_json(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def _lax_query(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.strict_route._refuse_unknown_query", lambda *_: None)
+    monkeypatch.setattr("service.strict_route._refuse_odd_query", lambda *_: None)
 
 
 def _stubborn_integers(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -246,6 +246,12 @@ def test_what_cannot_be_asked_of_a_list_is_refused(client: httpx.Client) -> None
     assert far.json() == {"jobs": [], "next_page_token": None}
 
 
+def test_query_parameter_that_is_stated_twice_is_refused(client: httpx.Client) -> None:
+    (error,) = refused(client.get("/v1/jobs?page_size=1&page_size=2"), 422, "invalid_input")["errors"]
+
+    assert (error["pointer"], error["code"]) == ("page_size", "repeated_parameter")
+
+
 def test_addresses_of_a_job_take_no_query_and_no_other_method(client: httpx.Client) -> None:
     address = order(client)["links"]["self"]
     for method, path in (("GET", ""), ("GET", "/events"), ("GET", "/result"), ("DELETE", "")):
