@@ -35,6 +35,7 @@ from service.jobs.places import JobPlaces
 from service.jobs.queue import DbosJobs
 from service.jobs.supervisor import Supervisor
 from service.schemas import ProgramRequest
+from service.strict_json import printable
 
 CALLER = "local"
 """Who asks at this computer: as over HTTP without keys."""
@@ -79,7 +80,7 @@ def batch(
     files = find_panels(paths, outputs.programs, reports)
     new = NewBatch(
         CALLER,
-        title or _usual_title(paths),
+        printable(title or _usual_title(paths)),
         [_program(each, options) for each in files.panels],
         compare_with=compare_with,
     )
@@ -106,7 +107,7 @@ def _usual_title(paths: Sequence[Path]) -> str:
 
 def _program(panel: PanelFile, options: ProgramRequest) -> NewProgram:
     request = options.model_copy(update={"panel": panel.document})
-    return NewProgram(panel.panel_id, canonical_json(request), title=panel.file.name)
+    return NewProgram(panel.panel_id, canonical_json(request), title=panel.name)
 
 
 def _run(

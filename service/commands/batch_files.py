@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from service.batches.model import MOST_PROGRAMS
 from service.batches.report_schemas import LeftOut
 from service.commands.plan import check_target
 from service.commands.reading import Unusable
-from service.strict_json import JsonLimits, parse
+from service.strict_json import JsonLimits, parse, printable
 
 _LIMITS = JsonLimits(max_bytes=100_000_000)
 _PROGRAM = ".nc.json"
@@ -31,6 +32,16 @@ class PanelFile:
     def panel_id(self) -> str:
         """The panel's id, "" where it states none that could be shown."""
         return panel_id(self.document.get("id"))
+
+    @property
+    def name(self) -> str:
+        """The file's name, as it can be kept and shown: names of files need not be UTF-8."""
+        return printable(self.file.name)
+
+    @property
+    def shown(self) -> str:
+        """The file with its directory, likewise."""
+        return printable(str(self.file))
 
 
 @dataclass(frozen=True)
@@ -57,14 +68,20 @@ def find_panels(paths: Sequence[Path], out: Path | None, reports: Collection[Pat
             document = _document(file)
         except InvalidInput as invalid:
             first = invalid.problems[0]
-            left_out.append(LeftOut(file=str(file), why=f"{first.message}. {first.remedy}"))
+            left_out.append(_left_out(file, f"{first.message}. {first.remedy}"))
+            is_complete = False
+            continue
+        except OSError as error:
+            if is_named:
+                raise Unusable([f"{file}: cannot be read: {error.strerror}. Name a readable file."]) from None
+            left_out.append(_left_out(file, f"it cannot be read: {error.strerror}"))
             is_complete = False
             continue
         if _is_panel(document):
             target = (out or file.parent) / f"{file.stem}{_PROGRAM}"
             panels.append(PanelFile(file, target, document))
         elif file.resolve() not in own:
-            left_out.append(LeftOut(file=str(file), why="it is no panel: it describes no skin"))
+            left_out.append(_left_out(file, "it is no panel: it describes no skin"))
             is_complete = is_complete and not is_named
     _check(panels, reports)
     return PanelFiles(tuple(panels), tuple(left_out), is_complete)
@@ -72,25 +89,32 @@ def find_panels(paths: Sequence[Path], out: Path | None, reports: Collection[Pat
 
 def _files(paths: Sequence[Path]) -> Iterator[tuple[Path, bool]]:
     """The files to look at, each once, and whether it was named itself."""
-    seen: set[Path] = set()
+    seen: set[str] = set()
     for path in paths:
         if path.is_dir():
-            inside = sorted(each for each in path.iterdir() if each.suffix == ".json" and each.is_file())
+            inside = sorted(each for each in path.iterdir() if each.suffix == ".json" and _may_be_read(each))
             found = [each for each in inside if not each.name.endswith(_PROGRAM)]
         else:
             found = [path]
         for file in found:
-            if file.resolve() not in seen:
-                seen.add(file.resolve())
+            place = os.path.realpath(file)  # `resolve` refuses links that go round in a circle
+            if place not in seen:
+                seen.add(place)
                 yield file, file is path
 
 
+def _may_be_read(file: Path) -> bool:
+    """Whether it is a file, or a link to one that is gone: somebody meant that to be planned."""
+    return file.is_file() or (file.is_symlink() and not file.exists())
+
+
+def _left_out(file: Path, why: str) -> LeftOut:
+    return LeftOut(file=printable(str(file)), why=why)
+
+
 def _document(file: Path) -> dict[str, Any]:
-    try:
-        with file.open("rb") as opened:
-            text = opened.read(_LIMITS.max_bytes + 1)
-    except OSError as error:
-        raise Unusable([f"{file}: cannot be read: {error.strerror}. Name a readable file."]) from None
+    with file.open("rb") as opened:
+        text = opened.read(_LIMITS.max_bytes + 1)
     document = parse(text, _LIMITS)
     return document if isinstance(document, dict) else {}
 

@@ -60,9 +60,9 @@ class BatchProgress:
                 if job is not None and job.problem is not None and job.id not in self._told:
                     self._told.add(job.id)
                     if not self._bars.disable:
-                        self._bars.console.print(Text(f"{panel.file}: {job.problem.detail}"))
+                        self._bars.console.print(Text(f"{panel.shown}: {job.problem.detail}"))
             elif job.state is JobState.RUNNING and job.progress is not None:
-                what = f"  {panel.file.name} {job.progress.phase}"
+                what = f"  {panel.name} {job.progress.phase}"
                 task = self._panels.get(job.id)
                 if task is None:
                     task = self._panels[job.id] = self._bars.add_task(what, total=_PERCENT)
@@ -84,7 +84,7 @@ def print_report(report: BatchReport, files: Mapping[int, PanelFile]) -> None:
     print_table(f"{report.title}: batch {report.id}", head[:width], [row[:width] for row in rows])
     for panel in report.panels:
         if panel.problem is not None:
-            print_rows(f"{files[panel.number].file}", _problem_rows(panel.problem))
+            print_rows(files[panel.number].shown, _problem_rows(panel.problem))
     print_rows("all panels", _total_rows(report))
     if report.left_out:
         print_rows("no panels", [(each.file, each.why) for each in report.left_out])
@@ -104,7 +104,7 @@ def _panel_row(panel: PanelReport, file: PanelFile) -> tuple[str, ...]:
     changed = list(sentences(panel.change, _MOST_FASTENERS)) if panel.change is not None else []
     remarks = [*refused, *changed]
     return (
-        file.file.name,
+        file.name,
         panel.certificate.result if panel.certificate else str(panel.state or "not kept"),
         f"{fasteners.installed} of {fasteners.total}" if fasteners else "-",
         duration(panel.cycle_time_s),

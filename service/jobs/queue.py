@@ -38,6 +38,8 @@ _LOOK_S = 0.25
 Found = list[Job]
 Page = tuple[Found, str | None]
 _SAME = ("kind", "request_sha256", "title", "job_order_id", "batch")
+_NUL = "\0"
+"""An address may have it as %00; PostgreSQL refuses to be asked for it."""
 _AFTER = re.compile(r"([0-9]{1,18})-([0-9a-f]{32})")
 _NEVER_BEGUN = {"status": "ENQUEUED", "recovery_attempts": 0} | dict.fromkeys(
     ("executor_id", "owner_xid", "started_at_epoch_ms", "completed_at", "output")
@@ -193,6 +195,8 @@ class DbosJobs:
         return sa.select(JOBS, *columns).join(self._status, status.workflow_uuid == JOBS.c.id)
 
     def _get(self, job_id: str) -> Job | None:
+        if _NUL in job_id:
+            return None
         with self._engine.connect() as connection:
             row = connection.execute(self._selected().where(JOBS.c.id == job_id)).mappings().first()
         return None if row is None else self._jobs([row])[0]
@@ -206,6 +210,8 @@ class DbosJobs:
     def _list(
         self, caller: str | None, state: JobState | None, batch: str | None, page_size: int, after: str | None
     ) -> Page:
+        if batch is not None and _NUL in batch:
+            return [], None
         query = self._selected().order_by(JOBS.c.created_ms.desc(), JOBS.c.id.desc()).limit(page_size + 1)
         if caller is not None:
             query = query.where(JOBS.c.caller == caller)
