@@ -8,6 +8,7 @@ sent compressed, with the encoding behind it, because a strong ETag names bytes.
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from service.errors import ProblemError, problem
 from service.jobs.model import Artefacts, Encoding
 from service.negotiation import encodings, is_known
 
+_LOG = logging.getLogger("rivetplan.service")
 _FOREVER = "private, max-age=31536000, immutable"
 _CHUNK = 1024 * 1024
 """[byte] Read and sent at a time: with starlette's 64 KiB a large program takes twice as long."""
@@ -48,7 +50,7 @@ async def serve(
     taken = encodings(request)
     found = await asyncio.to_thread(_file, artefacts, sha256, taken)
     if found is None:
-        is_there = await asyncio.to_thread(artefacts.path, sha256) is not None
+        is_there = await asyncio.to_thread(artefacts.is_whole, sha256)
         raise _not_acceptable() if is_there else not_kept()
     path, encoding = found
     compressed = encoding != "identity"
@@ -66,10 +68,14 @@ async def serve(
 
 
 def _file(artefacts: Artefacts, sha256: str, taken: list[Encoding]) -> tuple[Path, Encoding] | None:
+    """The file to send. One that is damaged is never sent: its address and its ETag promise what it was."""
     for encoding in taken:
         path = artefacts.path(sha256, encoding)
-        if path is not None:
+        if path is None:
+            continue
+        if artefacts.is_whole(sha256, encoding):
             return path, encoding
+        _LOG.error("what is kept as %s is damaged: %s", encoding, sha256)
     return None
 
 

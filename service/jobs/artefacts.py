@@ -20,15 +20,24 @@ import os
 import re
 import secrets
 import time
-from collections.abc import Collection, Iterator
+import zlib
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO, cast
 
 import zstandard
 
 from service.jobs.model import Encoding
 
 _SUFFIXES: dict[Encoding, str] = {"identity": "", "zstd": ".zst", "gzip": ".gz"}
+_OPENED: dict[Encoding, Callable[[Path], BinaryIO]] = {
+    "identity": lambda path: path.open("rb"),
+    "zstd": lambda path: cast("BinaryIO", zstandard.open(path, "rb")),
+    "gzip": lambda path: cast("BinaryIO", gzip.GzipFile(path, "rb")),
+}
+_PIECE = 1024 * 1024
+"""[byte] Read at a time."""
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _FOLDER = re.compile(r"[0-9a-f]{2}")
 _ZSTD_LEVEL, _GZIP_LEVEL = 1, 6
@@ -80,21 +89,27 @@ class Store:
             raise Damaged(sha256)
         return content
 
-    def is_whole(self, sha256: str) -> bool:
-        """Whether `get` would return bytes; a file that has not changed since is not read again."""
-        path = self.path(sha256)
+    def is_whole(self, sha256: str, encoding: Encoding = "identity") -> bool:
+        """Whether a file holds its bytes in an encoding; one that has not changed since is not read again.
+
+        Raises StoreUnusable.
+        """
+        path = self.path(sha256, encoding)
         if path is None:
             return False
         try:
-            found = path.stat()
-            mark = (found.st_ino, found.st_size, found.st_mtime_ns)
-            if self._checked.get(sha256) != mark:
-                self.get(sha256)
-                if len(self._checked) >= _MOST_CHECKED:
-                    self._checked.clear()
-                self._checked[sha256] = mark
-        except (KeyError, FileNotFoundError):
+            with _tried():
+                found = path.stat()
+                mark = (found.st_ino, found.st_size, found.st_mtime_ns)
+                if self._checked.get(path.name) == mark:
+                    return True
+                if _sha256_of(path, encoding) != sha256:
+                    return False
+        except FileNotFoundError:
             return False
+        if len(self._checked) >= _MOST_CHECKED:
+            self._checked.clear()
+        self._checked[path.name] = mark
         return True
 
     def path(self, sha256: str, encoding: Encoding = "identity") -> Path | None:
@@ -142,6 +157,18 @@ class Store:
 
     def _memo(self, key: str) -> Path:
         return self.root / "memo" / key[:2] / key
+
+
+def _sha256_of(path: Path, encoding: Encoding) -> str | None:
+    """The sha256 of what a file holds in an encoding; None where it is not in that encoding."""
+    digest = hashlib.sha256()
+    try:
+        with _OPENED[encoding](path) as file:
+            while piece := file.read(_PIECE):
+                digest.update(piece)
+    except (EOFError, gzip.BadGzipFile, zlib.error, zstandard.ZstdError):
+        return None
+    return digest.hexdigest()
 
 
 @contextmanager

@@ -241,6 +241,10 @@ class Artefacts(Protocol):
         """Return the file of bytes in an encoding; None where there is none."""
         ...
 
+    def is_whole(self, sha256: str, encoding: Encoding = "identity") -> bool:
+        """Whether that file is there and holds its bytes."""
+        ...
+
     def keep(self, key: str, content: bytes) -> None:
         """Keep what was computed, under the sha256 of what it was computed from."""
         ...

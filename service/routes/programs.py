@@ -124,7 +124,7 @@ async def _text(
     """A program's text, written by a process of the engine when it is asked for first."""
     key = await asyncio.to_thread(text_key, sha256, form)
     known = await asyncio.to_thread(artefacts.recall, key)
-    if known is None or await asyncio.to_thread(artefacts.path, known.decode()) is None:
+    if known is None or not await asyncio.to_thread(artefacts.is_whole, known.decode()):
         known = await _written(engine, artefacts, sha256, form)
         await asyncio.to_thread(artefacts.keep, key, known)
     return await serve(request, artefacts, known.decode(), media_type)
@@ -132,8 +132,8 @@ async def _text(
 
 async def _written(engine: Engine, artefacts: Artefacts, sha256: str, form: str) -> bytes:
     file = await asyncio.to_thread(artefacts.path, sha256)
-    if file is None:
-        raise not_kept()
+    if file is None or not await asyncio.to_thread(artefacts.is_whole, sha256):
+        raise not_kept()  # a text of what is damaged would be another program's
     try:
         text = await engine.program_text(str(file), form)
     except ProblemError as error:
