@@ -188,8 +188,11 @@ def _mark(data: Path, new: NewBatch) -> Path:
 def _alone(data: Path) -> Iterator[None]:
     """While inside, no other command makes a batch in the same directory. Raises Unusable."""
     directory = data / "batches"
-    directory.mkdir(parents=True, exist_ok=True)
-    lock = os.open(directory / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        lock = os.open(directory / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    except OSError as error:
+        raise Unusable([f"--data: {directory} cannot be used: {error.strerror}. Mend that."]) from None
     try:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

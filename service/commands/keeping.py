@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from pathlib import Path
 
 import psycopg
@@ -19,6 +20,7 @@ def prepared(data: Path) -> JobPlaces:
     try:
         places = JobPlaces.of(data, os.environ)
         prepare(places)
+        _try(places)
     except OSError as error:
         raise Unusable([f"--data: {data} cannot be used: {error.strerror}. Name a directory."]) from None
     except NewerSchema as newer:
@@ -27,3 +29,14 @@ def prepared(data: Path) -> JobPlaces:
         why = str(error).splitlines()[0]
         raise Unusable([f"{DATABASE}: the database cannot be used: {why}. Name one that runs."]) from None
     return places
+
+
+def _try(places: JobPlaces) -> None:
+    """Write where jobs will: that everything is there already says nothing of it. Raises Unusable."""
+    for directory in (places.data, places.locks, places.artefacts):
+        try:
+            with tempfile.TemporaryFile(dir=directory):
+                pass
+        except OSError as error:
+            why = f"nothing can be written in {directory}: {error.strerror}"
+            raise Unusable([f"--data: {why}. Mend that, or name another directory."]) from None

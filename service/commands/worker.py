@@ -25,5 +25,8 @@ def work(
         run_worker(places, slot, retention_days=retention_days, embedded=embedded)
     except NewerSchema as newer:
         raise Unusable([f"--data: {newer}. Install that version."]) from None
+    except OSError as error:
+        why = f"{error.filename or data} cannot be used: {error.strerror}"
+        raise Unusable([f"--data: {why}. Mend that, or name another directory."]) from None
     except SlotTaken:
         raise Unusable([f"SLOT: a worker {slot} runs already. Give each worker a name of its own."]) from None
