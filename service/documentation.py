@@ -44,6 +44,19 @@ _KEY = {
 
 Responses = dict[int | str, dict[str, Any]]
 
+#: Of operations that answer 304 where the client has what it asks for.
+KNOWN: dict[str, Any] = {
+    "parameters": [
+        {
+            "name": "If-None-Match",
+            "in": "header",
+            "required": False,
+            "schema": {"type": "string"},
+            "description": "ETags of what the client has: 304 where it is still that",
+        }
+    ]
+}
+
 
 def problems(*statuses: int) -> Responses:
     """Return the documented problems of a route: those of these statuses, or of every status there is."""
@@ -57,6 +70,12 @@ def answer(status: int, schema: str) -> Responses:
     etag = {"description": "sha256 of the content, quoted", "required": True, "schema": form}
     content = {"application/json": {"schema": {"$ref": _REF.format(model=schema)}}}
     return {status: {"description": f"the {schema.lower()}", "headers": {"ETag": etag}, "content": content}}
+
+
+def etag() -> dict[str, Any]:
+    """Return the documented header of an answer that is kept in several forms."""
+    description = "strong, of this form and encoding"
+    return {"ETag": {"description": description, "required": True, "schema": {"type": "string"}}}
 
 
 def model_reference(name: str) -> dict[str, str]:

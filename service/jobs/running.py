@@ -164,6 +164,7 @@ class Lane:
         while True:
             message = child.heard(_LISTEN_S)
             if isinstance(message, Done | Problem):
+                self._ledger.is_held(claim, *news.taken(time.monotonic()))  # a short job's progress, too
                 return message
             if isinstance(message, HandedBack | StoreUnusable | RequestMissing):
                 return _why(claim, message)

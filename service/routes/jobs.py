@@ -7,7 +7,7 @@ from fastapi.responses import StreamingResponse
 from pydantic.json_schema import SkipJsonSchema
 
 from service.dependencies import CallerDep, NeededArtefactsDep, NeededJobsDep
-from service.documentation import Responses, problems
+from service.documentation import KNOWN, Responses, etag, problems
 from service.errors import ProblemError, problem
 from service.job_events import job_events
 from service.job_schemas import JobList, JobView, shown
@@ -29,6 +29,16 @@ LastEventId = Annotated[
     Header(alias="Last-Event-ID", max_length=120, description="id of the last event that was read"),
 ]
 
+_AGAIN: Responses = {
+    200: {
+        "headers": {
+            "Retry-After": {
+                "description": "[s], when to look again; absent once the job is final",
+                "schema": {"type": "string"},
+            }
+        }
+    }
+}
 _EVENTS: Responses = {
     200: {"description": "events named `job`, each a job", "content": {"text/event-stream": {}}}
 }
@@ -39,7 +49,7 @@ def _results() -> Responses:
     return {
         200: {
             "description": "the answer, as the request would have been answered at once",
-            "headers": {"ETag": {"required": True, "schema": {"type": "string"}}},
+            "headers": etag(),
             "content": {"application/json": anything, "model/gltf-binary": {"schema": {"type": "string"}}},
         },
         304: {"description": "the client has it: If-None-Match names it"},
@@ -66,7 +76,7 @@ async def list_jobs(
     return JobList(jobs=[shown(job) for job in found], next_page_token=after)
 
 
-@router.get("/{job_id}", responses=problems(*_READ))
+@router.get("/{job_id}", responses=_AGAIN | problems(*_READ))
 async def get_job(
     job_id: str, request: Request, response: Response, caller: CallerDep, jobs: NeededJobsDep
 ) -> JobView:
@@ -103,7 +113,12 @@ async def get_job_events(
     return StreamingResponse(events, headers=headers, media_type="text/event-stream")
 
 
-@router.get("/{job_id}/result", response_class=Response, responses=_results() | problems(406, 409, *_READ))
+@router.get(
+    "/{job_id}/result",
+    response_class=Response,
+    responses=_results() | problems(406, 409, *_READ),
+    openapi_extra=KNOWN,
+)
 async def get_job_result(
     job_id: str, request: Request, caller: CallerDep, jobs: NeededJobsDep, artefacts: NeededArtefactsDep
 ) -> Response:

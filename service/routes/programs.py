@@ -2,14 +2,14 @@
 
 import asyncio
 import logging
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Path, Request, Response
 
 from service.answers import Answer, respond
 from service.deferral import DeferralDep, ordered
 from service.dependencies import ArtefactsDep, EngineDep, NeededArtefactsDep
-from service.documentation import Responses, answer, problems
+from service.documentation import KNOWN, Responses, answer, etag, problems
 from service.engine import Engine
 from service.errors import ProblemError, problem
 from service.job_schemas import program_address
@@ -46,8 +46,7 @@ def _made() -> Responses:
 
 def _kept() -> Responses:
     found = answer(200, "Program")
-    etag: dict[str, Any] = {"description": "strong, of this form and encoding", "required": True}
-    found[200]["headers"] = {"ETag": etag | {"schema": {"type": "string"}}}
+    found[200]["headers"] = etag()
     found[200]["content"] |= {each: {"schema": {"type": "string"}} for each in MEDIA_TYPES}
     return found | {304: {"description": "the client has it: If-None-Match names it"}}
 
@@ -55,7 +54,7 @@ def _kept() -> Responses:
 def _report() -> Responses:
     content = {"text/markdown": {"schema": {"type": "string"}}}
     return {
-        200: {"description": "the report", "content": content},
+        200: {"description": "the report", "headers": etag(), "content": content},
         304: {"description": "the client has it: If-None-Match names it"},
     }
 
@@ -90,7 +89,7 @@ async def _is_kept(artefacts: Artefacts, made: Answer) -> bool:
     return True
 
 
-@router.get("/{sha256}", responses=_kept() | problems(*_READ))
+@router.get("/{sha256}", responses=_kept() | problems(*_READ), openapi_extra=KNOWN)
 async def get_program(
     sha256: Sha256, request: Request, engine: EngineDep, artefacts: NeededArtefactsDep
 ) -> Response:
@@ -109,7 +108,9 @@ async def get_program(
 
 @router.get(
     "/{sha256}/report",
+    response_class=Response,
     responses=_report() | problems(*_READ),
+    openapi_extra=KNOWN,
 )
 async def get_program_report(
     sha256: Sha256, request: Request, engine: EngineDep, artefacts: NeededArtefactsDep
