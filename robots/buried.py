@@ -3,7 +3,7 @@
 The panel is a surface of triangles: a machine solid wholly inside a thick part touches no triangle. Certified
 motion from a free configuration cannot get there, so only single configurations are asked: is the middle of
 any solid inside a piece that is thick enough to hide the narrowest solid? Thin plates cannot hide anything
-and are left out.
+and are left out. Of a part of triangles the inside is what its surface closes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class BuriedTest:
 
     def __call__(self) -> bool:
         """Whether the middle of a solid lies inside a thick piece at the scene's placed configuration."""
-        return len(self._thick) > 0 and self._pieces.containing(self._scene.centers(), self._thick)
+        return self._pieces.containing(self._scene.centers(), self._thick)
 
 
 def narrowest(shape: Shape) -> float:

@@ -10,7 +10,6 @@ What the tip must still keep clear of is a small mesh of the pieces around it wi
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import pairwise
 from weakref import WeakKeyDictionary
 
 import coal
@@ -31,11 +30,8 @@ class PanelPieces:
 
     def __init__(self, panel: Panel) -> None:
         self.pieces, self.part_index = panel.pieces()
-        self.lower, self.upper = hexahedra.bounds(self.pieces)
-        self._rows = flat_panel(panel).pieces
+        self._rows, self._tree = flat_panel(panel)
         self._part_ids = panel.part_ids
-        ends = np.cumsum([len(part.pieces) for part in panel.parts]).tolist()
-        self._ranges = dict(zip(panel.part_ids, pairwise([0, *ends]), strict=True))
         self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
         self._trials: WeakKeyDictionary[Fastener, Stack] = WeakKeyDictionary()
 
@@ -49,7 +45,10 @@ class PanelPieces:
 
     def around(self, low: Array, high: Array) -> NDArray[np.intp]:
         """Pieces whose box meets the box from `low` to `high`, each (3,), [m]."""
-        return np.flatnonzero(np.all((self.lower <= high) & (self.upper >= low), axis=1))
+        from robots.trees.meeting import meeting  # when first used, as in `under_face`
+
+        _, found = meeting(self._tree, np.array([low]), np.array([high]))
+        return found
 
     def part_id(self, piece: int) -> str:
         """Id of the part that piece belongs to."""
@@ -61,19 +60,28 @@ class PanelPieces:
         """Pieces of the stack under a tip face of `radius` [m] at the fastener, in ascending order.
 
         Lines along -n through the face, and through the ring `beyond` [m] around it, enter them and leave
-        them at most `depth` [m] deeper than the stack's inner surface.
+        them at most `depth` [m] deeper than the stack's inner surface; of triangles, see the kernel's.
         """
         # Imported when first used, as in `cell`: loading compiled code takes time.
         from robots.kernel.under_face import pieces_under_face
 
-        ranges = np.array(sorted({self._ranges[part] for part in stack.parts}), dtype=np.int64)
-        found = np.empty(len(self.pieces), dtype=np.int64)
+        deepest = stack.depth + depth
+        reach = radius + beyond + deepest
+        near = self.around(fastener.p - reach, fastener.p + reach)
+        parts = [self._part_ids.index(part) for part in stack.parts]
+        asked = near[np.isin(self.part_index[near], parts)]
+        found = np.empty(len(asked), dtype=np.int64)
         axis = np.array([fastener.p, fastener.n])
-        n = pieces_under_face(self._rows, ranges, axis, radius, beyond, stack.depth + depth, found)
+        n = pieces_under_face(self._rows, asked, axis, radius, beyond, deepest, found)
         return found[:n]
 
     def containing(self, points: Array, pieces: NDArray[np.intp]) -> bool:
-        """Whether any of `points` (N, 3) lies inside any of the given pieces."""
+        """Whether any of `points` (N, 3) lies inside any of the given pieces, or in a part of triangles."""
+        if self._surfaces is not None:
+            from robots.trees.rays import are_inside
+
+            if np.any(are_inside(self._tree, self._surfaces, points)):
+                return True
         if len(pieces) == 0:
             return False
         normals, offsets = self._planes
@@ -85,6 +93,14 @@ class PanelPieces:
         normals, offsets = self._planes
         corners = np.einsum("hfk,hvk->hfv", normals, self.pieces)
         return np.flatnonzero((offsets - corners.min(axis=2)).min(axis=1) > size)
+
+    @cached_property
+    def _surfaces(self) -> Array | None:
+        """Corners (H, 3, 3) of the triangles, points in place of solid pieces; None where all are solid."""
+        is_flat = hexahedra.are_flat(self.pieces)
+        if not is_flat.any():
+            return None
+        return np.where(is_flat[:, None, None], self.pieces[:, :3], self.pieces[:, :1])
 
     @cached_property
     def _planes(self) -> tuple[Array, Array]:
@@ -113,8 +129,7 @@ class TipScene:
     def __init__(self, scene: Scene, tip_pair: int, pieces: PanelPieces, local: NDArray[np.intp]) -> None:
         self._scene, self._tip, self._pieces, self._local = scene, tip_pair, pieces, local
         solids = pieces.pieces[local]
-        first = 8 * np.arange(len(local))[:, None, None]
-        triangles = (hexahedra.HEX_TRIANGLES[None] + first).reshape(-1, 3)
+        triangles, self._whose = hexahedra.surface(solids)
         self._mesh = triangle_mesh(solids.reshape(-1, 3), triangles) if len(local) else None
         self._request = coal.CollisionRequest()
         self._fixed = coal.Transform3s()
@@ -141,5 +156,5 @@ class TipScene:
         shape, placement = self._scene.shape_of(TIP)
         result = coal.DistanceResult()
         coal.distance(shape, placement, self._mesh, self._fixed, coal.DistanceRequest(), result)
-        piece = self._local[max(result.b1, result.b2) // len(hexahedra.HEX_TRIANGLES)]
+        piece = self._local[self._whose[max(result.b1, result.b2)]]
         return float(result.min_distance), self._pieces.part_id(int(piece))

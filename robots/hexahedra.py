@@ -1,6 +1,7 @@
-"""Convex hexahedra: the one solid every panel part is made of.
+"""Convex hexahedra: what every panel part is made of.
 
-A hexahedron is an array (8, 3) of vertices with planar faces; many are an array (H, 8, 3). Vertex order::
+A hexahedron is an array (8, 3) of vertices with planar faces; many are an array (H, 8, 3). A triangle of a
+mesh is a flat one, whose top is its bottom: a b c c a b c c. Vertex order::
 
         7 ------ 6          bottom 0 1 2 3, top 4 5 6 7 above them; seen from above (from the top face)
        /|       /|          both run anticlockwise.
@@ -13,6 +14,7 @@ A hexahedron is an array (8, 3) of vertices with planar faces; many are an array
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planners.arrays import Array
 
@@ -61,17 +63,57 @@ def outward(hexahedra: Array) -> Array:
     return np.where(mirrored[:, None, None], turned, hexahedra)
 
 
+def flat(triangles: Array) -> Array:
+    """Flat hexahedra (H, 8, 3) of triangles (H, 3, 3), anticlockwise seen from outside."""
+    return np.asarray(triangles, dtype=np.float64)[:, [0, 1, 2, 2, 0, 1, 2, 2]]
+
+
+def are_flat(hexahedra: Array) -> NDArray[np.bool_]:
+    """Which of them (H,) are triangles."""
+    found: NDArray[np.bool_] = (hexahedra[:, :4] == hexahedra[:, 4:]).all(axis=(1, 2))
+    return found
+
+
+def surface(hexahedra: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Triangles (T, 3) of vertex numbers (8 i + v), outwards, and whose each is (T,), in that order.
+
+    Twelve of a solid, one of a flat one.
+    """
+    is_flat = are_flat(hexahedra)
+    whose = np.repeat(np.arange(len(hexahedra)), np.where(is_flat, 1, len(HEX_TRIANGLES)))
+    rows = np.arange(len(whose)) - np.searchsorted(whose, whose)
+    local = np.where(is_flat[whose, None], [[0, 1, 2]], HEX_TRIANGLES[rows])
+    return local + 8 * whose[:, None], whose
+
+
 def planes(hexahedra: Array) -> tuple[Array, Array]:
     """Outward unit normals (H, 6, 3) and offsets (H, 6): a point x is inside when normals @ x <= offsets.
 
     The normal comes from the face's diagonals and the offset is the largest over the face's vertices, so that
-    the half-spaces never cut a corner of the solid off by rounding.
+    the half-spaces never cut a corner of the solid off by rounding. Those of a triangle are its plane, twice,
+    and its sides. A sliver's normals point anywhere; it lies behind its planes all the same.
     """
+    is_flat = are_flat(hexahedra)
     faces = hexahedra[:, HEX_FACES]  # (H, 6, 4, 3)
     normals = np.cross(faces[:, :, 2] - faces[:, :, 0], faces[:, :, 3] - faces[:, :, 1])
-    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    if is_flat.any():
+        normals[is_flat] = _flat_normals(hexahedra[is_flat])
+    length = np.linalg.norm(normals, axis=-1, keepdims=True)
+    normals = np.where(length > 0.0, normals / np.where(length > 0.0, length, 1.0), np.array([0.0, 0.0, 1.0]))
     offsets = np.einsum("hfvk,hfk->hfv", faces, normals).max(axis=-1)
+    if is_flat.any():
+        of_all = np.einsum("hvk,hfk->hfv", hexahedra[is_flat, :3], normals[is_flat])
+        offsets[is_flat] = of_all.max(axis=-1)
     return normals, offsets
+
+
+def _flat_normals(triangles: Array) -> Array:
+    """Directions (H, 6, 3): against the face, along it, away from its three sides, and of the first again."""
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    n = np.cross(b - a, c - a)
+    n /= np.maximum(np.linalg.norm(n, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+    sides = [np.cross(edge, n) for edge in (b - a, c - b, a - c)]
+    return np.stack([-n, n, *sides, sides[0]], axis=1)
 
 
 def volumes(hexahedra: Array) -> Array:

@@ -18,7 +18,7 @@ from robots import hexahedra
 from robots.nc_datums import NcMeasuredFit
 from robots.surface import Surface
 
-PartKind = Literal["skin", "doubler", "strap", "stringer", "frame", "clip", "box", "extrusion"]
+PartKind = Literal["skin", "doubler", "strap", "stringer", "frame", "clip", "box", "extrusion", "other"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +34,20 @@ class Part(_Refrozen):
     """One part of the panel.
 
     `pieces`: convex hexahedra with planar faces, shape (k, 8, 3), vertex order of `robots.hexahedra`, [m].
+    `is_mesh`: they are flat, the triangles of its surface.
     """
 
     id: str
     kind: PartKind
     pieces: Array
+    is_mesh: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pieces", frozen(self.pieces))
         if self.pieces.ndim != 3 or self.pieces.shape[1:] != (8, 3) or len(self.pieces) == 0:
             raise ValueError(f"part {self.id}: pieces must have shape (k, 8, 3), got {self.pieces.shape}")
+        if self.is_mesh != bool(hexahedra.are_flat(self.pieces).all()):
+            raise ValueError(f"part {self.id}: its pieces are all triangles, or none is")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +93,8 @@ class Panel(_Refrozen):
 
     `stacks[i]` belongs to `fasteners[i]`; the fasteners' order is the order of the program. `mounting`:
     T_gantry_panel (4, 4). `chord_deviation`: largest distance between a true curved face and the flat
-    pieces that stand for it [m]. `sag`: the panel's own shape uncertainty, to be added to clearances [m].
+    pieces that stand for it [m]. `mesh_deviation`: the same of the triangles of a true CAD shape [m]. `sag`:
+    the panel's own shape uncertainty, and that of its CAD shapes, to be added to clearances [m].
     `sha256`: of the canonical definition the panel was made from. `measured_fit`: where `mounting` is as
     measured, within `deviation_envelope_mm`; they go into the program as they are.
     """
@@ -106,6 +111,7 @@ class Panel(_Refrozen):
     sha256: str
     measured_fit: NcMeasuredFit | None = None
     deviation_envelope_mm: float | None = None
+    mesh_deviation: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mounting", frozen(self.mounting))
@@ -133,9 +139,8 @@ class Panel(_Refrozen):
     def triangles(self) -> tuple[Array, NDArray[np.intp], NDArray[np.intp]]:
         """Vertices (V, 3), outward triangles (T, 3) of vertex indices, part index of each triangle (T,)."""
         pieces, part_index = self.pieces()
-        first = 8 * np.arange(len(pieces), dtype=np.intp)
-        triangles = (hexahedra.HEX_TRIANGLES[None] + first[:, None, None]).reshape(-1, 3)
-        return frozen(pieces.reshape(-1, 3)), triangles, np.repeat(part_index, len(hexahedra.HEX_TRIANGLES))
+        triangles, whose = hexahedra.surface(pieces)
+        return frozen(pieces.reshape(-1, 3)), triangles, part_index[whose]
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:

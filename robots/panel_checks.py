@@ -9,7 +9,7 @@ import numpy as np
 
 from planners.arrays import Array
 from robots.broad_phase import overlapping_boxes
-from robots.panel import Fastener, Stack
+from robots.panel import Fastener, Part, Stack
 from robots.panel_fasteners import Candidate
 from robots.panel_members import Members
 from robots.panel_reading import Findings
@@ -25,6 +25,8 @@ _THICKEST = 10.0
 _MOST_CLOSE = 1_000_000
 #: Points of a hole's rim whose stacks are compared with the one on its axis.
 _RIM = 8
+#: Where a hole that is there already ends, in diameters from the axis: it is wider than the shank by less.
+_BEYOND = 0.75
 #: The process that needs nothing to join.
 DRILL_ONLY = "drill_only"
 
@@ -48,8 +50,11 @@ def stacked(
         return (), ()
     points = np.array([c.fastener.p for c in candidates])
     normals = np.array([c.fastener.n for c in candidates])
-    stacks = find_stacks(tuple(members.parts), points, normals)
-    rims = find_stacks(tuple(members.parts), *_rims(candidates, points, normals))
+    parts = tuple(members.parts)
+    stacks = find_stacks(parts, points, normals)
+    rims = find_stacks(parts, *_rims(candidates, points, normals))
+    if any(part.is_mesh for part in parts):
+        stacks, rims = _around_holes(candidates, parts, stacks, rims)
     faults: dict[tuple[Keys, str], list[_Fault]] = {}
     fasteners = []
     for position, (candidate, stack) in enumerate(zip(candidates, stacks, strict=True)):
@@ -91,9 +96,42 @@ def _fault(candidate: Candidate, stack: Stack) -> _Fault | None:
     return None
 
 
-def _rims(candidates: Sequence[Candidate], points: Array, normals: Array) -> tuple[Array, Array]:
-    """Points on the rims of all holes (F * _RIM, 3), those of one hole together, and their normals."""
-    radii = np.array([0.5 * c.fastener.diameter for c in candidates])
+def _around_holes(
+    candidates: Sequence[Candidate], parts: tuple[Part, ...], stacks: list[Stack], rims: list[Stack]
+) -> tuple[list[Stack], list[Stack]]:
+    """The stacks, and those at the rims, where a CAD part may have the fastener's hole already.
+
+    Such a part is not on the axis, but all round it: where the ring beyond the hole has one stack, and that
+    has more to join than the axis, it is the fastener's.
+    """
+    _, normals, around = rings(candidates)
+    found = find_stacks(parts, around.reshape(-1, 3), np.repeat(normals, _RIM, axis=0))
+    stacks, rims = list(stacks), list(rims)
+    for position, stack in enumerate(stacks):
+        ring = slice(_RIM * position, _RIM * (position + 1))
+        first, *others = found[ring]
+        even = all(o.parts == first.parts and abs(o.grip - first.grip) <= GRIP_TOLERANCE for o in others)
+        if even and first.grip > stack.grip + GRIP_TOLERANCE and {*stack.parts} <= {*first.parts}:
+            stacks[position], rims[ring] = first, found[ring]
+    return stacks, rims
+
+
+def rings(candidates: Sequence[Candidate]) -> tuple[Array, Array, Array]:
+    """Points (F, 3) of fasteners, normals (F, 3), and points around each beyond its hole, (F, _RIM, 3)."""
+    points = np.array([c.fastener.p for c in candidates]).reshape(-1, 3)
+    normals = np.array([c.fastener.n for c in candidates]).reshape(-1, 3)
+    around, _ = _rims(candidates, points, normals, _BEYOND)
+    return points, normals, around.reshape(-1, _RIM, 3)
+
+
+def _rims(
+    candidates: Sequence[Candidate], points: Array, normals: Array, share: float = 0.5
+) -> tuple[Array, Array]:
+    """Points around all fasteners (F * _RIM, 3), those of one together, and their normals.
+
+    share: of the diameter, how far from the axis; a half is the rim of the hole.
+    """
+    radii = np.array([share * c.fastener.diameter for c in candidates])
     least = np.eye(3)[np.abs(normals).argmin(axis=1)]  # the axis least along each normal
     first = np.cross(normals, least)
     first /= np.linalg.norm(first, axis=1, keepdims=True)

@@ -87,11 +87,11 @@ def _explicit(
         findings.add(
             (*keys, "n"), "zero_normal", message, str(entry.n), "Give the outward normal of the skin."
         )
-    distance = _distance(members, p)
+    distance = 0.0 if members.has_mesh_skin else _distance(members, p)
     if distance > OFF_SKIN:
         message = f"fastener {entry.id!r} is {1000.0 * distance:.4g} mm off the skin"
         findings.add((*keys, "p_mm"), "off_skin", message, str(entry.p_mm), _unit_remedy(members, p))
-    elif length > 1e-9:
+    elif length > 1e-9 and not members.has_mesh_skin:  # else see `panel_mesh_skin`
         _check_normal(entry, members, p, n / length, keys, findings)
     if len(findings.problems) > before:
         return None

@@ -18,6 +18,8 @@ from robots.panel_adjustments import adjusted
 from robots.panel_checks import check_piercing, check_spacing, stacked
 from robots.panel_fasteners import collect_fasteners
 from robots.panel_members import Builder
+from robots.panel_mesh_skin import check_on_mesh_skin
+from robots.panel_meshes import Models, no_models
 from robots.panel_reading import Findings, Reading, read_definition
 from robots.panel_references import check_names
 from robots.panel_schema import MountingDefinition
@@ -29,28 +31,35 @@ MAX_PROBLEMS = 1000
 
 
 def load_panel(
-    source: str | Path | bytes | Mapping[str, object], processes: Collection[str] | None = None
+    source: str | Path | bytes | Mapping[str, object],
+    processes: Collection[str] | None = None,
+    models: Models | Panel = no_models,
 ) -> Panel:
     """Read a panel from a file (a path), from JSON text (bytes) or from a document already parsed.
 
-    processes: names a fastener's process may have; None means those of the default library.
+    processes: names a fastener's process may have; None means those of the default library. models: the
+    files that meshes refer to, or a panel that has the same meshes.
     Raises InvalidInput with everything that is wrong, in the order of the document.
     """
     document = dict(source) if isinstance(source, Mapping) else read_document(source)
     findings = Findings()
     reading = read_definition(document, findings)
     check_names(reading, load_processes().ids if processes is None else processes, findings)
-    panel = _assembled(reading, findings) if reading.has_ground else None
+    definition = reading.definition
+    has_skin = definition.skin is not None or any(mesh.kind == "skin" for mesh in definition.meshes)
+    panel = _assembled(reading, findings, models) if reading.has_ground and has_skin else None
     if findings.problems or panel is None:
         raise InvalidInput(_limited(_in_document_order(document, findings.problems)))
     return panel
 
 
-def _assembled(reading: Reading, findings: Findings) -> Panel | None:
+def _assembled(reading: Reading, findings: Findings, models: Models | Panel) -> Panel | None:
     """The panel; None when problems have been found by now."""
     definition = reading.definition
-    members = Builder(reading, findings).build()
+    members = Builder(reading, findings, models).build()
     candidates = adjusted(collect_fasteners(reading, members, findings), reading, members, findings)
+    if members.has_mesh_skin:
+        candidates = check_on_mesh_skin(candidates, members, findings)
     try:
         pierced = check_piercing(members, findings)
         fasteners, stacks = stacked(candidates, members, pierced, findings)
@@ -69,8 +78,9 @@ def _assembled(reading: Reading, findings: Findings) -> Panel | None:
         stacks=stacks,
         mounting=_mounting(definition.mounting),
         chord_deviation=members.chord_deviation,
-        sag=meters(definition.sag_mm),
+        sag=meters(definition.sag_mm) + members.deviation,
         sha256=hashlib.sha256(canonical_json(definition)).hexdigest(),
+        mesh_deviation=members.deviation,
     )
 
 

@@ -11,7 +11,8 @@ from planners.arrays import Array
 from robots import bodies, sweeps
 from robots.definition_file import meters
 from robots.members import Clip, Frame, Hole, Plate, Stringer
-from robots.panel import Part, PartKind
+from robots.panel import Panel, Part, PartKind
+from robots.panel_meshes import MeshParts, Models
 from robots.panel_reading import PART_LISTS, Findings, Reading
 from robots.panel_schema import (
     BoxDefinition,
@@ -20,6 +21,7 @@ from robots.panel_schema import (
     FrameDefinition,
     PlateDefinition,
     SectionDefinition,
+    SkinDefinition,
     StringerDefinition,
 )
 from robots.schema_problems import Keys, unit_hint
@@ -46,7 +48,8 @@ _KINDS: dict[str, PartKind] = {
 class Members:
     """What has been built: `parts` in panel order, `shapes` and `places` in the document by part id.
 
-    complete: every part of the document has been built.
+    skin_thickness: 0 where the skin is a mesh. deviation: how far triangles may be from the true surface they
+    stand for, at most [m]. complete: every part of the document has been built.
     """
 
     grid: Grid
@@ -55,25 +58,30 @@ class Members:
     shapes: dict[str, Shape] = field(default_factory=dict)
     places: dict[str, Keys] = field(default_factory=dict)
     chord_deviation: float = 0.0
+    deviation: float = 0.0
     complete: bool = False
 
     @property
     def surface(self) -> Surface:
         return self.grid.surface
 
+    @property
+    def has_mesh_skin(self) -> bool:
+        return any(part.kind == "skin" and part.is_mesh for part in self.parts)
+
 
 class Builder:
     """Builds the members of one definition, plates first, then what lies on them."""
 
-    def __init__(self, reading: Reading, findings: Findings) -> None:
+    def __init__(self, reading: Reading, findings: Findings, models: Models | Panel) -> None:
         self._reading, self._findings = reading, findings
+        self._meshes = MeshParts(reading, findings, models)
         definition = reading.definition
         radii = (definition.surface.section_radius_mm, definition.surface.length_radius_mm)
         surface = Surface(*(None if radius is None else meters(radius) for radius in radii))
         skin = definition.skin
-        self.members = Members(
-            Grid(surface, meters(skin.length_mm), meters(skin.width_mm)), meters(skin.thickness_mm)
-        )
+        sizes = self._meshes.extent(surface) if skin is None else (skin.length_mm / 1e3, skin.width_mm / 1e3)
+        self.members = Members(Grid(surface, *sizes), 0.0 if skin is None else meters(skin.thickness_mm))
         self._sections = {name: section_of(section) for name, section in definition.sections.items()}
         self._pieces = 0
         self._tried: set[str] = set()
@@ -81,9 +89,11 @@ class Builder:
     def build(self) -> Members:
         """Build everything that can be built."""
         self._check_sections()
-        if not self._skin_fits():
+        skin = self._reading.definition.skin
+        if skin is not None and not self._skin_fits():
             return self.members
-        self._add_skin()
+        if skin is not None:
+            self._add_skin(skin)
         for name in ("doublers", "straps"):
             for position, plate in enumerate(getattr(self._reading.definition, name)):
                 self._add_shape(name, position, plate.id, self._plate(plate, self._keys(name, position)))
@@ -96,6 +106,14 @@ class Builder:
             self._add_shape("frames", position, frame.id, self._frame(frame, self._keys("frames", position)))
         for position, clip in enumerate(definition.clips):
             self._add_shape("clips", position, clip.id, self._clip(clip, self._keys("clips", position)))
+        self._add_free_standing()
+        entries = sum(len(getattr(definition, name)) for name in PART_LISTS) + (definition.skin is not None)
+        lost = self._reading.lost_names or self._reading.lost
+        self.members.complete = not lost and len(self.members.parts) == entries
+        return self.members
+
+    def _add_free_standing(self) -> None:
+        definition = self._reading.definition
         for position, box in enumerate(definition.boxes):
             self._add("boxes", position, box.id, bodies.box(np.array(box.size_mm) / 1000.0, _pose(box)))
         for position, extrusion in enumerate(definition.extrusions):
@@ -104,10 +122,11 @@ class Builder:
                 section = replace(section, mirrored=extrusion.mirrored)
                 pieces = bodies.extrusion(section, meters(extrusion.length_mm), _pose(extrusion))
                 self._add("extrusions", position, extrusion.id, pieces)
-        entries = sum(len(getattr(definition, name)) for name in PART_LISTS)
-        lost = self._reading.lost_names or self._reading.lost
-        self.members.complete = not lost and len(self.members.parts) == entries + 1
-        return self.members
+        for part in self._meshes.parts:
+            if part.id not in self.members.places:  # a duplicate id, reported elsewhere
+                self.members.places[part.id] = self._meshes.places[part.id]
+                self.members.parts.append(part)
+        self.members.deviation = self._meshes.deviation
 
     def _keys(self, name: str, position: int) -> Keys:
         return self._reading.keys(name, position)
@@ -141,8 +160,8 @@ class Builder:
             findings.add(("surface", "length_radius_mm"), "skin_too_large", message, None, remedy)
         return before == len(findings.problems)
 
-    def _add_skin(self) -> None:
-        grid, skin = self.members.grid, self._reading.definition.skin
+    def _add_skin(self, skin: SkinDefinition) -> None:
+        grid = self.members.grid
         u = grid.along(-0.5 * grid.length, 0.5 * grid.length)
         v = grid.across(-0.5 * grid.width, 0.5 * grid.width)
         self.members.chord_deviation = grid.deviation(u, v)

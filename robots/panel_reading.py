@@ -18,7 +18,7 @@ from robots.schema_problems import Keys, schema_problems
 from robots.strict_json import Document, pointer_to
 
 #: Lists of the definition whose entries have ids of parts.
-PART_LISTS = ("doublers", "straps", "stringers", "frames", "clips", "boxes", "extrusions")
+PART_LISTS = ("doublers", "straps", "stringers", "frames", "clips", "boxes", "extrusions", "meshes")
 _LISTS = (*PART_LISTS, "fasteners", "rows", "adjustments")
 
 #: What stands in for a member of the document that cannot be used, so that reading can go on.
@@ -48,7 +48,7 @@ class Reading:
 
     index: for each list, where its entries are in the document. lost: names of entries that were taken out;
     lost_names: so were others, with names nobody knows. has_ground: skin and surface can be relied on.
-    complete_fasteners: no fastener and no row was taken out.
+    complete_fasteners: no fastener and no row was taken out. listed: lengths of the document's lists.
     """
 
     definition: PanelDefinition
@@ -57,10 +57,15 @@ class Reading:
     lost_names: bool
     has_ground: bool
     complete_fasteners: bool
+    listed: Mapping[str, int]
 
     def is_lost(self, name: str) -> bool:
         """Whether `name` may be one that was taken out: a reference to it is then no problem of its own."""
         return self.lost_names or name in self.lost
+
+    def index_lost(self, collection: str) -> bool:
+        """Whether entries of a list were taken out of the definition."""
+        return self.lost_names or len(self.index[collection]) < self.listed[collection]
 
     def keys(self, collection: str, position: int, *rest: str | int) -> Keys:
         """The place in the document of entry `position` of a list of the definition, or of a member of it."""
@@ -72,12 +77,14 @@ def read_definition(document: Document, findings: Findings) -> Reading:
 
     Raises InvalidInput when what remains cannot be read at all.
     """
-    if "blocks" in document and "skin" not in document:
+    if "blocks" in document and not {"skin", "meshes"} & document.keys():
         findings.add((), "not_a_panel", "this is an NC program, not a panel", None, "Name the panel's file.")
         raise InvalidInput(findings.problems)
     everything = {name: list(range(_length(document.get(name)))) for name in _LISTS}
+    listed = {name: len(at) for name, at in everything.items()}
     try:
-        return Reading(PanelDefinition.model_validate(document), everything, frozenset(), False, True, True)
+        definition = PanelDefinition.model_validate(document)
+        return Reading(definition, everything, frozenset(), False, True, True, listed)
     except ValidationError as error:
         found = schema_problems(error.errors(include_url=False), document, PanelDefinition)
     findings.problems += [problem for _, problem in found]
@@ -96,6 +103,7 @@ def read_definition(document: Document, findings: Findings) -> Reading:
         or any(keys[2:] == ("id",) for keys in places),
         has_ground=not any(keys[:1] == (name,) for keys in places for name in _GROUND),
         complete_fasteners=not any(keys[:1] in (("fasteners",), ("rows",)) for keys in places),
+        listed=listed,
     )
 
 
@@ -116,7 +124,8 @@ def _pruned(document: Document, wrong: set[Keys], index: Mapping[str, list[int]]
         elif not any(keys[0] == name for keys in wrong if keys):
             kept[name] = value
     for name, stand_in in _STAND_INS.items():
-        kept.setdefault(name, stand_in)
+        if name != "skin" or (name in document and name not in kept):
+            kept.setdefault(name, stand_in)
     return kept
 
 

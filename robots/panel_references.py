@@ -17,6 +17,7 @@ PLATE_LISTS = ("doublers", "straps")
 def check_names(reading: Reading, processes: Collection[str], findings: Findings) -> None:
     """Find duplicate ids, references to what is not there, and unknown processes."""
     _check_duplicates(reading, findings)
+    _check_skin(reading, findings)
     _check_parts(reading, findings)
     _check_fasteners(reading, processes, findings)
     for position, row in enumerate(reading.definition.rows):
@@ -31,7 +32,8 @@ def part_entries(reading: Reading) -> Iterator[tuple[str, Keys, str]]:
 
 
 def _check_duplicates(reading: Reading, findings: Findings) -> None:
-    parts: list[tuple[Keys, str]] = [(("skin", "id"), reading.definition.skin.id)]
+    skin = reading.definition.skin
+    parts: list[tuple[Keys, str]] = [] if skin is None else [(("skin", "id"), skin.id)]
     parts += [((*keys, "id"), part_id) for _, keys, part_id in part_entries(reading)]
     fasteners: list[tuple[Keys, str]] = [
         (reading.keys(name, position, "id"), entry.id)
@@ -45,6 +47,28 @@ def _check_duplicates(reading: Reading, findings: Findings) -> None:
                 message = f"the {what} id {name!r} is used more than once"
                 findings.add(keys, "duplicate_id", message, name, f"Give every {what} an id of its own.")
             seen.add(name)
+
+
+def _check_skin(reading: Reading, findings: Findings) -> None:
+    """There is one skin: of sizes, and then members may lie on it, or of meshes, and then none may."""
+    definition = reading.definition
+    meshed = [i for i, mesh in enumerate(definition.meshes) if mesh.kind == "skin"]
+    if definition.skin is not None:
+        for position in meshed:
+            keys = reading.keys("meshes", position, "kind")
+            message = "the panel has a skin already"
+            findings.add(keys, "two_skins", message, "skin", "Remove `skin`, or give this mesh another kind.")
+        return
+    if not meshed:
+        if not reading.index_lost("meshes"):
+            remedy = "Add `skin` with its sizes, or a mesh of the kind skin."
+            findings.add(("skin",), "missing_field", "the panel has no skin", None, remedy)
+        return
+    for name in (*ROW_LISTS, "rows"):
+        if getattr(definition, name):
+            message = f"{name} are laid out on a skin that is given by its sizes; this one is a mesh"
+            remedy = "Give these parts as meshes too, and fasteners by their points."
+            findings.add(reading.keys(name, 0), "needs_sized_skin", message, name, remedy)
 
 
 def _check_parts(reading: Reading, findings: Findings) -> None:

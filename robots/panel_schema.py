@@ -11,10 +11,17 @@ from __future__ import annotations
 import unicodedata
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
 from pydantic_core import PydanticCustomError
 
 from robots.definition_file import SchemaVersion, Strict, whole
+from robots.meshes.model import Unit
 from robots.sections import Profile
 
 
@@ -36,6 +43,8 @@ FastenerCode = Annotated[
     ),
 ]
 Direction = Literal["x", "arc"]
+MeshKind = Literal["skin", "doubler", "strap", "stringer", "frame", "clip", "other"]
+BodyName = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_in_one_line)]
 Side = Literal["+x", "-x"]
 
 Thickness = Annotated[float, Field(ge=0.3, le=50.0, description="sheet thickness")]
@@ -181,6 +190,20 @@ class ExtrusionDefinition(Strict):
     mirrored: bool = False
 
 
+class MeshDefinition(Strict):
+    """A part whose shape is in a file: its triangles, in the file's frame, moved; R = Rz(c) Ry(b) Rx(a)."""
+
+    id: Name
+    kind: MeshKind
+    asset: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$", description="sha256 of the file")]
+    body: BodyName | None = Field(default=None, description="which of the file's bodies; null: all of them")
+    unit: Unit | None = Field(
+        default=None, description="of the file's numbers; null: the file says so, as STEP and glTF do"
+    )
+    position_mm: Position = Field(default=[0.0, 0.0, 0.0])
+    rotation_deg: Angles = Field(default=[0.0, 0.0, 0.0])
+
+
 class FastenerDefinition(Strict):
     """One fastener at a point of the outer skin; `n` points outwards."""
 
@@ -256,7 +279,9 @@ class PanelDefinition(Strict):
     id: Name
     title: Title = ""
     surface: SurfaceDefinition = SurfaceDefinition()
-    skin: SkinDefinition
+    skin: SkinDefinition | None = Field(
+        default=None, description="null: it is among the meshes, and `surface` is what it is near to"
+    )
     sag_mm: Annotated[float, Field(ge=0.0, le=20.0, description="own shape uncertainty")] = 0.0
     mounting: MountingDefinition = MountingDefinition()
     sections: dict[Name, SectionDefinition] = Field(default={}, json_schema_extra=_by_name)
@@ -267,6 +292,15 @@ class PanelDefinition(Strict):
     clips: list[ClipDefinition] = Field(default=[])
     boxes: list[BoxDefinition] = Field(default=[])
     extrusions: list[ExtrusionDefinition] = Field(default=[])
+    meshes: list[MeshDefinition] = Field(default=[])
     fasteners: list[FastenerDefinition] = Field(default=[])
     rows: list[RowDefinition] = Field(default=[])
     adjustments: list[AdjustmentDefinition] = Field(default=[])
+
+    @model_serializer(mode="wrap")
+    def _as_ever(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out what is newer than panels whose hash is known, where it is not used."""
+        content: dict[str, Any] = write(self)
+        if not self.meshes:
+            del content["meshes"]
+        return content

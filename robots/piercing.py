@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from planners.arrays import Array
 from robots import hexahedra
-from robots.broad_phase import TooCrowdedError, overlapping_boxes
+from robots.broad_phase import Boxes, TooCrowdedError, overlapping_boxes
 from robots.panel import Part
 
 #: Overlaps up to this depth are contact [m]: parts lie on each other, and curved ones do so with flat facets.
@@ -25,6 +25,9 @@ _FACE_BATCH, _EDGE_BATCH = 4096, 256
 #: A320-class shell: 1,295), and those the face normals do not separate (there: none). Beyond it the answer
 #: would take minutes and say the same.
 _MOST_BOXES, _MOST_NEAR, _MOST_DEEP = 5_000_000, 300_000, 20_000
+
+
+Pairs = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 @dataclass(frozen=True)
@@ -42,9 +45,7 @@ def find_piercings(parts: tuple[Part, ...]) -> list[Piercing]:
     part_of = np.repeat(np.arange(len(parts), dtype=np.intp), [len(part.pieces) for part in parts])
     lower, upper = hexahedra.bounds(pieces)
     shrunk = (lower + 0.5 * CONTACT, upper - 0.5 * CONTACT)  # boxes overlapping by less cannot pierce
-    i, j = overlapping_boxes(shrunk, shrunk, _MOST_BOXES)
-    other = part_of[i] < part_of[j]
-    i, j = i[other], j[other]
+    i, j = _overlapping(shrunk, part_of) if any(part.is_mesh for part in parts) else _swept(shrunk, part_of)
     if len(i) > _MOST_NEAR:
         raise TooCrowdedError
     depth = overlap_depths(pieces, i, j)
@@ -54,6 +55,34 @@ def find_piercings(parts: tuple[Part, ...]) -> list[Piercing]:
     for first, second, d in pairs:
         worst[first, second] = max(d, worst.get((first, second), 0.0))
     return [Piercing(first, second, d) for (first, second), d in sorted(worst.items())]
+
+
+def _swept(boxes: Boxes, part_of: NDArray[np.intp]) -> Pairs:
+    """Pairs of pieces, of different parts, whose boxes overlap."""
+    i, j = overlapping_boxes(boxes, boxes, _MOST_BOXES)
+    other = part_of[i] < part_of[j]
+    return i[other], j[other]
+
+
+def _overlapping(boxes: Boxes, part_of: NDArray[np.intp]) -> Pairs:
+    """The same, part by part: of a mesh thousands of triangles are small and some as long as the panel."""
+    from robots.trees.meeting import meeting  # when first used, as in `cell`
+    from robots.trees.tree import build
+
+    low, high = boxes
+    before: list[Pairs] = []
+    first = np.searchsorted(part_of, np.arange(part_of[-1] + 2))
+    for part in range(part_of[-1]):
+        own, others = slice(first[part], first[part + 1]), slice(first[part + 1], None)
+        around = low[own].min(axis=0), high[own].max(axis=0)
+        near = np.all((low[others] <= around[1]) & (high[others] >= around[0]), axis=1)
+        asked = np.flatnonzero(near) + first[part + 1]
+        j, i = meeting(build(low[own], high[own]), low[asked], high[asked])
+        before.append((i + first[part], asked[j]))
+        if sum(len(each) for each, _ in before) > _MOST_BOXES:
+            raise TooCrowdedError
+    found = [np.concatenate(each) for each in zip(*before, strict=True)]
+    return (found[0], found[1]) if found else (part_of[:0], part_of[:0])
 
 
 def overlap_depths(pieces: Array, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:

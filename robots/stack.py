@@ -1,13 +1,15 @@
-"""What a fastener joins: the ray from its point along the inward normal against all convex pieces.
+"""What a fastener joins: the ray from its point along the inward normal against all parts.
 
 Exact half-space clipping: a piece with outward planes (n_i, d_i) holds the ray p - t n for t between the
-largest entry and the smallest exit over its six planes.
+largest entry and the smallest exit over its six planes. Of a part of triangles the ray is inside from where
+it has gone in once more often than out.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Iterator
+from itertools import groupby, pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +28,13 @@ FIRST_GAP = 0.5e-3 + GAP
 _ABOVE, _BELOW = 2e-3, 0.15
 #: Rounding allowance of the clipping [m], so that a ray along a seam between two facets is not lost.
 _SEAM = 1e-9
+#: The least thickness that counts [m], and how near two crossings of one edge are to each other [m].
+_LEAST, _EDGE = 1e-6, 1e-7
 #: More rays through more boxes than any real panel has.
 _MOST_CROSSINGS = 5_000_000
 
 
-@dataclass(frozen=True, eq=False)
-class _Crossings:
+class _Crossings(NamedTuple):
     """Where rays pass through parts: ray (m,), part (m,), depth of entry and exit (m,)."""
 
     ray: NDArray[np.intp]
@@ -46,16 +49,69 @@ def find_stacks(parts: tuple[Part, ...], points: Array, normals: Array) -> list[
     A stack begins with the part at the point (within FIRST_GAP) and goes on while the next part begins
     within GAP of where the last one ended. A point with nothing under it has a stack without parts.
     """
-    crossings = _merge(_clip(parts, points, normals))
+    of_pieces, of_triangles = _clip(parts, points, normals), _within_surfaces(parts, points, normals)
+    crossings = _merge(
+        _Crossings(*(np.concatenate(each) for each in zip(of_pieces, of_triangles, strict=True)))
+    )
     first = np.searchsorted(crossings.ray, np.arange(len(points) + 1)).tolist()
     ids = [parts[part].id for part in crossings.part.tolist()]
     rows = list(zip(ids, crossings.entry.tolist(), crossings.exit.tolist(), strict=True))
     return [_contiguous(rows[begin:end]) for begin, end in pairwise(first)]
 
 
+def _pieces(parts: tuple[Part, ...], *, flat: bool) -> tuple[Array, NDArray[np.intp]]:
+    """The solid pieces (H, 8, 3) of the parts, or the flat ones, and whose each is (H,)."""
+    chosen = [part.pieces if part.is_mesh == flat else part.pieces[:0] for part in parts]
+    return np.concatenate(chosen), np.repeat(np.arange(len(parts)), [len(each) for each in chosen])
+
+
+def _within_surfaces(parts: tuple[Part, ...], points: Array, normals: Array) -> _Crossings:
+    """Where the rays are inside parts of triangles."""
+    pieces, part_of = _pieces(parts, flat=True)
+    none = np.empty(0, dtype=np.intp)
+    if len(pieces) == 0:
+        return _Crossings(none, none, np.empty(0), np.empty(0))
+    # Imported when first used, as in `cell`: loading compiled code takes time.
+    from robots.trees.rays import crossings
+    from robots.trees.tree import build
+
+    found = crossings(
+        build(*hexahedra.bounds(pieces)),
+        pieces[:, :3],
+        points + _ABOVE * normals,
+        -normals,
+        _ABOVE + _BELOW,
+    )
+    part, along = part_of[found.triangle], found.along - _ABOVE
+    order = np.lexsort((found.enters, along, part, found.ray))
+    events = zip(*(x[order].tolist() for x in (found.ray, part, along, found.enters)), strict=True)
+    rows = [
+        (*key, begin, end)
+        for key, of_key in groupby(events, key=lambda event: event[:2])
+        for begin, end in _stretches([event[2:] for event in of_key])
+    ]
+    ray, whose, entry, exit_ = np.array(rows, dtype=np.float64).reshape(-1, 4).T
+    return _Crossings(ray.astype(np.intp), whose.astype(np.intp), entry, exit_)
+
+
+def _stretches(events: list[tuple[float, bool]]) -> Iterator[tuple[float, float]]:
+    """Where a ray is inside, from depths at which it enters or leaves, in order; else to the end."""
+    level, begin, before = 0, 0.0, (-np.inf, False)
+    for depth, enters in events:
+        if enters == before[1] and depth - before[0] < _EDGE:
+            continue  # through the edge of two triangles
+        before = depth, enters
+        if level == 0 and enters:
+            begin = depth
+        if level == 1 and not enters and depth - begin > _LEAST:
+            yield begin, depth
+        level = max(0, level + (1 if enters else -1))
+    if level > 0:
+        yield begin, _BELOW
+
+
 def _clip(parts: tuple[Part, ...], points: Array, normals: Array) -> _Crossings:
-    pieces = np.concatenate([part.pieces for part in parts])
-    part_of = np.repeat(np.arange(len(parts), dtype=np.intp), [len(part.pieces) for part in parts])
+    pieces, part_of = _pieces(parts, flat=False)
     ends = np.stack([points + _ABOVE * normals, points - _BELOW * normals], axis=1)
     ray, piece = overlapping_boxes(
         (ends.min(axis=1), ends.max(axis=1)), hexahedra.bounds(pieces), _MOST_CROSSINGS
@@ -70,7 +126,10 @@ def _clip(parts: tuple[Part, ...], points: Array, normals: Array) -> _Crossings:
     entry = np.where(~parallel & (slope < 0.0), t, -np.inf).max(axis=1)
     exit_ = np.where(~parallel & (slope > 0.0), t, np.inf).min(axis=1)
     hit = (
-        (exit_ > entry + 1e-6) & ~(parallel & (room < 0.0)).any(axis=1) & (exit_ > -_ABOVE) & (entry < _BELOW)
+        (exit_ > entry + _LEAST)
+        & ~(parallel & (room < 0.0)).any(axis=1)
+        & (exit_ > -_ABOVE)
+        & (entry < _BELOW)
     )
     return _Crossings(ray[hit], part_of[piece[hit]], entry[hit] + _SEAM, exit_[hit] - _SEAM)
 

@@ -28,6 +28,7 @@ from robots.proof.layout import Ints
 from robots.verify_blend import rounded_corners
 from robots.verify_clearance import MOST_VIOLATIONS, Clearance, Covered, TooClose, cover, until_next
 from robots.verify_fasteners import fastener_findings
+from robots.verify_hidden import hidden_findings
 from robots.verify_inputs import input_findings, inputs_of
 from robots.verify_motion import motion_findings, within_travel
 from robots.verify_motions import configurations
@@ -75,6 +76,7 @@ def examine(program: NcProgram, panel: Panel, machine: Machine) -> Examination:
         ("order", lambda: order_findings(program, panel, machine)),
         ("motion", lambda: motion_findings(program, machine)),
         ("fasteners", lambda: fastener_findings(program, panel, machine)),
+        ("hidden", lambda: hidden_findings(program, panel, machine)),
     )
     proven: list[tuple[tuple[NcClearance | None, ...], int]] = []
     # What is compiled runs without the interpreter's lock: the clearances are proved meanwhile.

@@ -35,7 +35,7 @@ def corrected(inputs: Inputs, measured: MeasuredPanel | None) -> Inputs:
     ]
     found = as_built(inputs.panel, points, measured.envelope_mm, measured.residual_mm)
     document = _mounted(inputs.document, found)
-    panel = load_panel(document, inputs.machine.processes.ids)
+    panel = load_panel(document, inputs.machine.processes.ids, inputs.panel)
     panel = replace(
         panel, measured_fit=found.fit, deviation_envelope_mm=Decimals(4).rounded(measured.envelope_mm)
     )

@@ -97,7 +97,7 @@ class _Shift:
     def _loaded(self, document: Document) -> Desk | None:
         here = self._case.shop.desk
         try:
-            panel = load_panel(document, here.machine.processes.ids)
+            panel = load_panel(document, here.machine.processes.ids, here.panel)
         except InvalidInput:
             return None
         return Desk(here.machine, panel, here.seed, here.heuristics)

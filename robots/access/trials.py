@@ -58,7 +58,7 @@ class PanelTrials:
         reading = read_definition(dict(document), findings)
         if hashlib.sha256(canonical_json(reading.definition)).hexdigest() != panel.sha256:
             raise ValueError(f"this is not the document that panel {panel.id!r} was loaded from")
-        self._members = Builder(reading, findings).build()
+        self._members = Builder(reading, findings, panel).build()
         self._candidates = {c.fastener.id: c for c in collect_fasteners(reading, self._members, findings)}
         self._adjusted = {
             entry.fastener: Adjust(**entry.model_dump()) for entry in reading.definition.adjustments
@@ -134,6 +134,6 @@ def _near(panel: Panel, pieces: PanelPieces, p: Array) -> list[Part]:
     found = pieces.around(p - _DEEP, p + _DEEP)
     of_part = pieces.part_index[found]
     return [
-        Part(panel.parts[k].id, panel.parts[k].kind, pieces.pieces[found[of_part == k]])
+        replace(panel.parts[k], pieces=pieces.pieces[found[of_part == k]])
         for k in np.unique(of_part).tolist()
     ]

@@ -1,7 +1,6 @@
 """The cell's edge test as one compiled call on flat arrays; never less careful than the clearance asks.
 
 flat       the numbers of a cell, packed: panel pieces, static tree, machine solids, pairs, clearances
-tree       the tree over the panel's pieces: built once per panel
 poses      closed form of the inverted chain: where every solid is in the panel's frame
 shapes     support functions of the solids
 simplex    closest point of a simplex to the origin

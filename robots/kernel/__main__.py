@@ -8,11 +8,13 @@ from robots.machine_file import load_machine, machine_ids
 from robots.panel import Fastener, Panel, Part, Stack
 from robots.surface import Surface
 from robots.surroundings import surroundings_of
+from robots.trees.rays import are_inside
+from robots.trees.tree import build
 
 
 def warm() -> None:
     """Ask for a link, a station, die angles and surroundings on a bare sheet: questions to a cell are one
-    compiled entry, those about the contact of a tip, about a turn and about free ways three more.
+    compiled entry, those about the contact of a tip, about a turn and about free ways three more; trees have entries of their own.
     """
     machine = load_machine(machine_ids()[0])
     sheet = Part("sheet", "skin", box(np.array([-0.5, -0.5, -0.002]), np.array([0.5, 0.5, 0.0]))[None])
@@ -24,6 +26,8 @@ def warm() -> None:
     cell.process_is_free(rivet, machine.home, machine.home)
     cell.free_arcs(rivet, machine.home, machine.home)
     surroundings_of(cell).at(machine.home)
+    corners = sheet.pieces[:, :3]
+    are_inside(build(corners.min(axis=1), corners.max(axis=1)), corners, np.zeros((1, 3)))
 
 
 if __name__ == "__main__":

@@ -24,10 +24,10 @@ from robots.kernel.layout import (
     PRISM,
     Ints,
 )
-from robots.kernel.tree import Tree, build
 from robots.machine import Machine
 from robots.panel import Panel
 from robots.solids import Box, Cylinder, Prism, Solid, bounding_sphere, reach_about_axis
+from robots.trees.tree import Tree, build
 
 _AXES = ("X", "Y", "Z", "A", "B", "W", "C")
 _LINKS = {"X": LINK_X, "W": LINK_W, "C": LINK_C}

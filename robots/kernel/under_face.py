@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from planners.arrays import Array
 from planners.compiled import compiled
 from robots.kernel.layout import NORMALS, OFFSETS, Ints
@@ -16,36 +18,98 @@ LINES = 16
 
 @compiled
 def pieces_under_face(
-    pieces: Array, ranges: Ints, axis: Array, radius: float, beyond: float, deepest: float, found: Ints
+    pieces: Array, asked: Ints, axis: Array, radius: float, beyond: float, deepest: float, found: Ints
 ) -> int:
-    """Write the pieces that lines over the face and the ring around it leave at a depth in (0, deepest].
+    """Write those of the pieces `asked` (k,) that lie under the face and no deeper than `deepest` there.
 
-    pieces (H, 48): as in `layout`. ranges (k, 2): first and one past the last piece of each part to look at.
-    axis (2, 3): point and outward unit normal; lines run against it. radius: of the face; beyond: width of
-    the ring; deepest: all [m]. found (H,): the pieces. Returns their number.
+    pieces (H, 48): as in `layout`. axis (2, 3): point and outward unit normal; lines run against it. radius:
+    of the face; beyond: width of the ring; deepest: all [m]. found (k,): the pieces. Returns their number.
+
+    Of a solid piece lines must leave it below the skin and at most that deep. Of a triangle all that is
+    within the ring's cylinder must be at most that deep: also of one that stands upright, as the side of a
+    foot or the wall of a hole, which no line along the axis passes through.
     """
-    count, reach = 0, radius + beyond + deepest
-    for part in range(len(ranges)):
-        for piece in range(ranges[part, 0], ranges[part, 1]):
-            if not _in_reach(pieces, piece, axis, reach):
-                continue
-            depth = _deepest_exit(pieces, piece, axis, radius, beyond, deepest)
-            if 0.0 < depth <= deepest:
-                found[count] = piece
-                count += 1
+    count = 0
+    for i in range(len(asked)):
+        piece = asked[i]
+        if _is_flat(pieces, piece):
+            meant = -math.inf < _deepest_within(pieces, piece, axis, radius + beyond) <= deepest
+        else:
+            meant = 0.0 < _deepest_exit(pieces, piece, axis, radius, beyond, deepest) <= deepest
+        if meant:
+            found[count] = piece
+            count += 1
     return count
 
 
 @compiled
-def _in_reach(pieces: Array, piece: int, axis: Array, reach: float) -> bool:
-    """Whether the box around a piece meets the cube of half size `reach` about the point."""
-    for j in range(3):
-        low = high = pieces[piece, j]
-        for v in range(1, 8):
-            low, high = min(low, pieces[piece, 3 * v + j]), max(high, pieces[piece, 3 * v + j])
-        if low > axis[0, j] + reach or high < axis[0, j] - reach:
+def _is_flat(pieces: Array, piece: int) -> bool:
+    for c in range(12):
+        if pieces[piece, c] != pieces[piece, 12 + c]:
             return False
     return True
+
+
+@compiled
+def _deepest_within(pieces: Array, piece: int, axis: Array, radius: float) -> float:
+    """How deep the part of a triangle within a cylinder about the axis reaches [m]; -inf where none is.
+
+    Depth is linear over the triangle, so it is deepest at a corner, where a side meets the cylinder, or
+    where its line of steepest descent through the axis does.
+    """
+    dx, dy, dz = -axis[1, 0], -axis[1, 1], -axis[1, 2]
+    ux, uy, uz, vx, vy, vz = _across(dx, dy, dz)
+    seen = np.empty((3, 3))  # corners: two coordinates across the axis, and the depth
+    for k in range(3):
+        x = pieces[piece, 3 * k] - axis[0, 0]
+        y = pieces[piece, 3 * k + 1] - axis[0, 1]
+        z = pieces[piece, 3 * k + 2] - axis[0, 2]
+        seen[k, 0], seen[k, 1] = x * ux + y * uy + z * uz, x * vx + y * vy + z * vz
+        seen[k, 2] = x * dx + y * dy + z * dz
+    best, square = -math.inf, radius * radius
+    for k in range(3):
+        p, q = seen[k], seen[(k + 1) % 3]
+        ex, ey = q[0] - p[0], q[1] - p[1]
+        a, b = ex * ex + ey * ey, p[0] * ex + p[1] * ey
+        c = p[0] * p[0] + p[1] * p[1] - square
+        if c <= 0.0:
+            best = max(best, p[2])
+        root = b * b - a * c
+        if a > 0.0 and root >= 0.0:
+            for sign in (-1.0, 1.0):
+                t = (sign * math.sqrt(root) - b) / a
+                if 0.0 <= t <= 1.0:
+                    best = max(best, p[2] + t * (q[2] - p[2]))
+    return max(best, _deepest_on_rim(seen, radius))
+
+
+@compiled
+def _deepest_on_rim(seen: Array, radius: float) -> float:
+    """The depth where a triangle's steepest descent meets the cylinder, if it is there; else -inf."""
+    ax, ay, ad = seen[1, 0] - seen[0, 0], seen[1, 1] - seen[0, 1], seen[1, 2] - seen[0, 2]
+    bx, by, bd = seen[2, 0] - seen[0, 0], seen[2, 1] - seen[0, 1], seen[2, 2] - seen[0, 2]
+    area = ax * by - ay * bx
+    if area == 0.0:
+        return -math.inf
+    gx, gy = (ad * by - bd * ay) / area, (bd * ax - ad * bx) / area
+    slope = math.sqrt(gx * gx + gy * gy)
+    x, y = (radius * gx / slope, radius * gy / slope) if slope > 0.0 else (0.0, 0.0)
+    if not _holds(seen, x, y):
+        return -math.inf
+    px, py = x - seen[0, 0], y - seen[0, 1]
+    depth: float = seen[0, 2] + (ad * (px * by - py * bx) + bd * (py * ax - px * ay)) / area
+    return depth
+
+
+@compiled
+def _holds(seen: Array, x: float, y: float) -> bool:
+    """Whether a triangle, seen along the axis, holds a point."""
+    left, right = True, True
+    for k in range(3):
+        p, q = seen[k], seen[(k + 1) % 3]
+        turn = (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+        left, right = left and turn >= 0.0, right and turn <= 0.0
+    return left or right
 
 
 @compiled

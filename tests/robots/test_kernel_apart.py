@@ -13,9 +13,9 @@ from robots.kernel.flat import piece_rows, solid_kinds, solid_row
 from robots.kernel.layout import PIECES, POSE, Ints
 from robots.kernel.poses import bound
 from robots.kernel.shapes import support
-from robots.kernel.tree import build
 from robots.kernel.within import near_piece, solids_near
 from robots.solids import Box, Cylinder, Prism, Shape, Solid, shape_vertices
+from robots.trees.tree import build
 
 size = st.floats(0.002, 3.0)
 real = st.floats(-1.0, 1.0)

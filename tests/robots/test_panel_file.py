@@ -179,4 +179,4 @@ def test_schema_can_be_published() -> None:
     schema = PanelDefinition.model_json_schema()
 
     assert schema["additionalProperties"] is False
-    assert schema["required"] == ["schema_version", "id", "skin"]
+    assert schema["required"] == ["schema_version", "id"]
