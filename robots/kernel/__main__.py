@@ -14,7 +14,8 @@ from robots.trees.tree import build
 
 def warm() -> None:
     """Ask for a link, a station, die angles and surroundings on a bare sheet: questions to a cell are one
-    compiled entry, those about the contact of a tip, about a turn and about free ways three more; trees have entries of their own.
+    compiled entry, those about the contact of a tip, about a turn and about free ways three more; trees have
+    entries of their own.
     """
     machine = load_machine(machine_ids()[0])
     sheet = Part("sheet", "skin", box(np.array([-0.5, -0.5, -0.002]), np.array([0.5, 0.5, 0.0]))[None])
