@@ -8,24 +8,29 @@ and are left out. Of a part of triangles the inside is what its surface closes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from planners.arrays import Array
+from robots.chain import Chain
 from robots.contact import PanelPieces
-from robots.scene import Scene
-from robots.solids import Box, Cylinder, Shape
+from robots.solids import Box, Cylinder, Shape, Solid, bounding_sphere
 
 
 class BuriedTest:
-    """Thick pieces of one panel against the solids of one scene."""
+    """Thick pieces of one panel, mounted in a chain, against solids on the chain's tool links."""
 
-    def __init__(self, scene: Scene, pieces: PanelPieces) -> None:
-        self._scene, self._pieces = scene, pieces
-        self._thick = pieces.thicker_than(min(narrowest(solid.shape) for solid in scene.solids))
+    def __init__(self, chain: Chain, solids: Sequence[Solid], pieces: PanelPieces) -> None:
+        self._chain, self._pieces = chain, pieces
+        self._thick = pieces.thicker_than(min(narrowest(solid.shape) for solid in solids))
+        middles = [(solid.link, (*bounding_sphere(solid).center, 1.0)) for solid in solids]
+        self._of_links = {link: np.array([m for each, m in middles if each == link]) for link, _ in middles}
 
-    def __call__(self) -> bool:
-        """Whether the middle of a solid lies inside a thick piece at the scene's placed configuration."""
-        return self._pieces.containing(self._scene.centers(), self._thick)
+    def __call__(self, q: Array) -> bool:
+        """Whether the middle of a solid lies inside a part at configuration `q` (n,)."""
+        points = [middles @ self._chain.placement(q, link).T for link, middles in self._of_links.items()]
+        return self._pieces.containing(np.concatenate(points)[:, :3], self._thick)
 
 
 def narrowest(shape: Shape) -> float:

@@ -122,7 +122,7 @@ class Cell:
 
     @cached_property
     def _buried(self) -> BuriedTest:
-        return BuriedTest(self.scene, self.pieces)
+        return BuriedTest(self._chain, self.open.solids, self.pieces)
 
     @cached_property
     def _tip(self) -> Solid:
@@ -207,8 +207,7 @@ class Cell:
 
     def is_buried(self, q: Array) -> bool:
         """Whether the middle of a solid lies inside a thick part at `q` (n,)."""
-        self.scene.place(q)
-        return self._buried()
+        return self._buried(q)
 
     def pose_is_free(self, q: Array, *, foot: FootState = "open", tip: bool = True) -> bool:
         """Whether `q` (n,) keeps the clearances that hold at a fastener; `tip` False leaves the die tip's
@@ -234,6 +233,10 @@ class Cell:
         is proved is the W move between the two poses and the foot's closing: the tip may touch the pieces of
         the stack under its face; every other pair keeps the clearance that holds near a fastener.
         """
+        if self.pieces.has_meshes:  # within whose surface nothing is near a triangle
+            out = np.flatnonzero([not self.is_buried(q) for q in opened])
+            found = self._stations.first_free(opened[out], clamped[out], self.meant_at(fastener))
+            return None if found is None else int(out[found])
         return self._stations.first_free(opened, clamped, self.meant_at(fastener))
 
     def free_arcs(self, fastener: Fastener, opened: Array, clamped: Array) -> FreeArcs:

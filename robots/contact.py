@@ -20,7 +20,7 @@ from planners.arrays import Array
 from robots import hexahedra
 from robots.dies import TIP
 from robots.kernel.flat import flat_panel
-from robots.kernel.layout import Ints
+from robots.kernel.layout import NORMALS, OFFSETS, Ints
 from robots.panel import Fastener, Panel, Stack
 from robots.scene import Scene, triangle_mesh
 
@@ -30,7 +30,7 @@ class PanelPieces:
 
     def __init__(self, panel: Panel) -> None:
         self.pieces, self.part_index = panel.pieces()
-        self._rows, self._tree = flat_panel(panel)
+        self._rows, self._tree, _ = flat_panel(panel)
         self._part_ids = panel.part_ids
         self._stacks = {f.id: s for f, s in zip(panel.fasteners, panel.stacks, strict=True)}
         self._trials: WeakKeyDictionary[Fastener, Stack] = WeakKeyDictionary()
@@ -84,27 +84,38 @@ class PanelPieces:
                 return True
         if len(pieces) == 0:
             return False
-        normals, offsets = self._planes
-        height = np.einsum("hfk,nk->nhf", normals[pieces], points) - offsets[pieces]
+        normals, offsets = self._planes(pieces)
+        height = np.einsum("hfk,nk->nhf", normals, points) - offsets
         return bool(np.any(np.all(height <= 0.0, axis=2)))
 
     def thicker_than(self, size: float) -> NDArray[np.intp]:
         """Pieces that could hide a ball of that diameter [m]: no two opposite faces are closer."""
-        normals, offsets = self._planes
-        corners = np.einsum("hfk,hvk->hfv", normals, self.pieces)
-        return np.flatnonzero((offsets - corners.min(axis=2)).min(axis=1) > size)
+        solid = np.flatnonzero(~self._are_flat)
+        normals, offsets = self._planes(solid)
+        corners = np.einsum("hfk,hvk->hfv", normals, self.pieces[solid])
+        thick: NDArray[np.intp] = solid[(offsets - corners.min(axis=2)).min(axis=1) > size]
+        return thick
+
+    def _planes(self, pieces: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Outward normals (k, 6, 3) and offsets (k, 6) of pieces."""
+        rows = self._rows[pieces]
+        return rows[:, NORMALS:OFFSETS].reshape(-1, 6, 3), rows[:, OFFSETS:]
+
+    @cached_property
+    def has_meshes(self) -> bool:
+        """Whether any part is a surface of triangles, which solids can be within and touch none."""
+        return bool(self._are_flat.any())
+
+    @cached_property
+    def _are_flat(self) -> NDArray[np.bool_]:
+        return hexahedra.are_flat(self.pieces)
 
     @cached_property
     def _surfaces(self) -> Array | None:
         """Corners (H, 3, 3) of the triangles, points in place of solid pieces; None where all are solid."""
-        is_flat = hexahedra.are_flat(self.pieces)
-        if not is_flat.any():
+        if not self.has_meshes:
             return None
-        return np.where(is_flat[:, None, None], self.pieces[:, :3], self.pieces[:, :1])
-
-    @cached_property
-    def _planes(self) -> tuple[Array, Array]:
-        return hexahedra.planes(self.pieces)
+        return np.where(self._are_flat[:, None, None], self.pieces[:, :3], self.pieces[:, :1])
 
 
 _of_panels: WeakKeyDictionary[Panel, PanelPieces] = WeakKeyDictionary()

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from planners.arrays import Array
-from robots import hexahedra
 from robots.panel_checks import rings
 from robots.panel_fasteners import OFF_NORMAL, OFF_SKIN, Candidate
 from robots.panel_members import Members
@@ -40,21 +39,21 @@ def check_on_mesh_skin(
 
 def _outer_face(members: Members, asked: Array, normals: Array) -> tuple[Array, Array]:
     """Height [m] of each point above the skin's nearest outer face and that face's unit normal; else NaN."""
-    from robots.trees.rays import crossings  # when first used, as in `cell`
-    from robots.trees.tree import build
+    from robots.part_trees import tree_of  # when first used, as in `cell`
+    from robots.trees.rays import crossings
 
-    pieces = np.concatenate([part.pieces for part in members.parts if part.kind == "skin"])
-    corners = pieces[:, :3]
     along = np.repeat(normals, asked.shape[1], axis=0)
     origins = asked.reshape(-1, 3) + _REACH * along
-    found = crossings(build(*hexahedra.bounds(pieces)), corners, origins, -along, 2.0 * _REACH)
     heights, facing = np.full(len(along), np.nan), np.full((len(along), 3), np.nan)
-    n = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    height = found.along - _REACH
-    for i in np.argsort(-np.abs(height), kind="stable").tolist():  # the nearest is written last
-        if found.enters[i]:
-            ray, normal = found.ray[i], n[found.triangle[i]]
-            heights[ray], facing[ray] = height[i], normal / np.linalg.norm(normal)
+    for part in (each for each in members.parts if each.kind == "skin"):
+        corners = part.pieces[:, :3]
+        found = crossings(tree_of(part), corners, origins, -along, 2.0 * _REACH)
+        height = found.along - _REACH
+        for i in np.flatnonzero(found.enters).tolist():
+            ray, (a, b, c) = found.ray[i], corners[found.triangle[i]]
+            if not abs(height[i]) >= abs(heights[ray]):
+                normal = np.cross(b - a, c - a)
+                heights[ray], facing[ray] = height[i], normal / np.linalg.norm(normal)
     shape = asked.shape[:2]
     return heights.reshape(shape), facing.reshape(*shape, 3)
 

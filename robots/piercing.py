@@ -45,7 +45,8 @@ def find_piercings(parts: tuple[Part, ...]) -> list[Piercing]:
     part_of = np.repeat(np.arange(len(parts), dtype=np.intp), [len(part.pieces) for part in parts])
     lower, upper = hexahedra.bounds(pieces)
     shrunk = (lower + 0.5 * CONTACT, upper - 0.5 * CONTACT)  # boxes overlapping by less cannot pierce
-    i, j = _overlapping(shrunk, part_of) if any(part.is_mesh for part in parts) else _swept(shrunk, part_of)
+    has_meshes = any(part.is_mesh for part in parts)
+    i, j = _overlapping(shrunk, parts) if has_meshes else _swept(shrunk, part_of)
     if len(i) > _MOST_NEAR:
         raise TooCrowdedError
     depth = overlap_depths(pieces, i, j)
@@ -64,25 +65,25 @@ def _swept(boxes: Boxes, part_of: NDArray[np.intp]) -> Pairs:
     return i[other], j[other]
 
 
-def _overlapping(boxes: Boxes, part_of: NDArray[np.intp]) -> Pairs:
+def _overlapping(boxes: Boxes, parts: tuple[Part, ...]) -> Pairs:
     """The same, part by part: of a mesh thousands of triangles are small and some as long as the panel."""
-    from robots.trees.meeting import meeting  # when first used, as in `cell`
-    from robots.trees.tree import build
+    from robots.part_trees import tree_of  # when first used, as in `cell`
+    from robots.trees.meeting import meeting
 
     low, high = boxes
-    before: list[Pairs] = []
-    first = np.searchsorted(part_of, np.arange(part_of[-1] + 2))
-    for part in range(part_of[-1]):
-        own, others = slice(first[part], first[part + 1]), slice(first[part + 1], None)
-        around = low[own].min(axis=0), high[own].max(axis=0)
-        near = np.all((low[others] <= around[1]) & (high[others] >= around[0]), axis=1)
-        asked = np.flatnonzero(near) + first[part + 1]
-        j, i = meeting(build(low[own], high[own]), low[asked], high[asked])
-        before.append((i + first[part], asked[j]))
-        if sum(len(each) for each, _ in before) > _MOST_BOXES:
+    first = np.cumsum([0, *(len(part.pieces) for part in parts)])
+    found: list[Pairs] = []
+    for part, begin, end in zip(parts, first[:-1], first[1:], strict=True):
+        around = low[begin:end].min(axis=0), high[begin:end].max(axis=0)
+        asked = end + np.flatnonzero(np.all((low[end:] <= around[1]) & (high[end:] >= around[0]), axis=1))
+        by, own = meeting(tree_of(part), low[asked], high[asked])
+        i, j = own + begin, asked[by]
+        both = np.all((low[i] <= high[j]) & (high[i] >= low[j]), axis=1)
+        found.append((i[both], j[both]))
+        if sum(len(each) for each, _ in found) > _MOST_BOXES:
             raise TooCrowdedError
-    found = [np.concatenate(each) for each in zip(*before, strict=True)]
-    return (found[0], found[1]) if found else (part_of[:0], part_of[:0])
+    first_of, second_of = (np.concatenate(each) for each in zip(*found, strict=True))
+    return first_of, second_of
 
 
 def overlap_depths(pieces: Array, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:

@@ -59,39 +59,38 @@ def find_stacks(parts: tuple[Part, ...], points: Array, normals: Array) -> list[
     return [_contiguous(rows[begin:end]) for begin, end in pairwise(first)]
 
 
-def _pieces(parts: tuple[Part, ...], *, flat: bool) -> tuple[Array, NDArray[np.intp]]:
-    """The solid pieces (H, 8, 3) of the parts, or the flat ones, and whose each is (H,)."""
-    chosen = [part.pieces if part.is_mesh == flat else part.pieces[:0] for part in parts]
+def _solid_pieces(parts: tuple[Part, ...]) -> tuple[Array, NDArray[np.intp]]:
+    """The solid pieces (H, 8, 3) of the parts, and whose each is (H,)."""
+    chosen = [part.pieces[:0] if part.is_mesh else part.pieces for part in parts]
     return np.concatenate(chosen), np.repeat(np.arange(len(parts)), [len(each) for each in chosen])
 
 
 def _within_surfaces(parts: tuple[Part, ...], points: Array, normals: Array) -> _Crossings:
     """Where the rays are inside parts of triangles."""
-    pieces, part_of = _pieces(parts, flat=True)
+    meshes = [number for number, part in enumerate(parts) if part.is_mesh]
     none = np.empty(0, dtype=np.intp)
-    if len(pieces) == 0:
+    if not meshes:
         return _Crossings(none, none, np.empty(0), np.empty(0))
     # Imported when first used, as in `cell`: loading compiled code takes time.
+    from robots.part_trees import tree_of
     from robots.trees.rays import crossings
-    from robots.trees.tree import build
 
-    found = crossings(
-        build(*hexahedra.bounds(pieces)),
-        pieces[:, :3],
-        points + _ABOVE * normals,
-        -normals,
-        _ABOVE + _BELOW,
+    rays = (points + _ABOVE * normals, -normals, _ABOVE + _BELOW)
+    found = [crossings(tree_of(parts[k]), parts[k].pieces[:, :3], *rays) for k in meshes]
+    ray, along, enters = (
+        np.concatenate([np.asarray(getattr(each, name)) for each in found])
+        for name in ("ray", "along", "enters")
     )
-    part, along = part_of[found.triangle], found.along - _ABOVE
-    order = np.lexsort((found.enters, along, part, found.ray))
-    events = zip(*(x[order].tolist() for x in (found.ray, part, along, found.enters)), strict=True)
+    part = np.repeat(meshes, [len(each.ray) for each in found])
+    order = np.lexsort((enters, along, part, ray))
+    events = zip(*(x[order].tolist() for x in (ray, part, along - _ABOVE, enters)), strict=True)
     rows = [
         (*key, begin, end)
         for key, of_key in groupby(events, key=lambda event: event[:2])
         for begin, end in _stretches([event[2:] for event in of_key])
     ]
-    ray, whose, entry, exit_ = np.array(rows, dtype=np.float64).reshape(-1, 4).T
-    return _Crossings(ray.astype(np.intp), whose.astype(np.intp), entry, exit_)
+    of_ray, whose, entry, exit_ = np.array(rows, dtype=np.float64).reshape(-1, 4).T
+    return _Crossings(of_ray.astype(np.intp), whose.astype(np.intp), entry, exit_)
 
 
 def _stretches(events: list[tuple[float, bool]]) -> Iterator[tuple[float, float]]:
@@ -111,7 +110,7 @@ def _stretches(events: list[tuple[float, bool]]) -> Iterator[tuple[float, float]
 
 
 def _clip(parts: tuple[Part, ...], points: Array, normals: Array) -> _Crossings:
-    pieces, part_of = _pieces(parts, flat=False)
+    pieces, part_of = _solid_pieces(parts)
     ends = np.stack([points + _ABOVE * normals, points - _BELOW * normals], axis=1)
     ray, piece = overlapping_boxes(
         (ends.min(axis=1), ends.max(axis=1)), hexahedra.bounds(pieces), _MOST_CROSSINGS

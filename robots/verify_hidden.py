@@ -11,11 +11,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from planners.arrays import Array
-from robots.chain import Chain
 from robots.machine import Machine
 from robots.nc import Finding, NcBlock, NcProgram
 from robots.panel import Panel
 from robots.solids import Solid, bounding_sphere
+from robots.verify_kinematics import Kinematics
 from robots.verify_motions import configurations
 
 #: A surface that winds about a point more than this often holds it; rounding and slivers are far below.
@@ -27,7 +27,7 @@ def hidden_findings(program: NcProgram, panel: Panel, machine: Machine) -> Itera
     parts = [(part.id, part.pieces[:, :3]) for part in panel.parts if part.is_mesh]
     if not parts or not program.blocks:
         return
-    chain, q = Chain(machine, panel.mounting), configurations(program.blocks)
+    kinematics, q = Kinematics.from_panel(machine, panel.mounting), configurations(program.blocks)
     before: str | None = None
     for row, block in enumerate(program.blocks):
         if block.die_id == before or block.die_id not in machine.dies.ids:
@@ -37,15 +37,15 @@ def hidden_findings(program: NcProgram, panel: Panel, machine: Machine) -> Itera
             appeared += [*machine.solids, *machine.foot.values()]
         before = block.die_id
         for solid in appeared:
-            point = _middle(chain, q[max(row - 1, 0)], solid)
+            point = _middle(kinematics, q[max(row - 1, 0)], solid)
             for name, corners in parts:
                 if _winding(corners, point) > _HELD:
                     yield _hidden(block, solid, name)
 
 
-def _middle(chain: Chain, q: Array, solid: Solid) -> Array:
-    T = chain.placement(q, solid.link)
-    middle: Array = T[:3, :3] @ np.array(bounding_sphere(solid).center) + T[:3, 3]
+def _middle(kinematics: Kinematics, q: Array, solid: Solid) -> Array:
+    R, t = kinematics.frames(solid.link, q[None])
+    middle: Array = R[0] @ np.array(bounding_sphere(solid).center) + t[0]
     return middle
 
 

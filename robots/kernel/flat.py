@@ -19,9 +19,16 @@ from robots.kernel.layout import (
     LINK_C,
     LINK_W,
     LINK_X,
+    MACHINE,
+    N_CORNERS,
+    N_PAIRS,
+    N_SOLIDS,
+    OWN,
     OWN_CENTER,
     OWN_HALF,
+    PIECES,
     PRISM,
+    SOLIDS,
     Ints,
 )
 from robots.machine import Machine
@@ -33,6 +40,11 @@ _AXES = ("X", "Y", "Z", "A", "B", "W", "C")
 _LINKS = {"X": LINK_X, "W": LINK_W, "C": LINK_C}
 _AT_LIMIT = 1e-9
 """[m] Taken off, for rounding and for a configuration a rounding error beyond an axis limit."""
+
+_ROOM = 1 << 16
+"""Numbers of about a hundred cells."""
+_AT_A_TIME = 1 << 14
+"""Pieces whose rows are made at a time: what is needed meanwhile is several times as large."""
 
 _ORIGIN, _TOOL_AXIS = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -48,10 +60,11 @@ class FlatCell(NamedTuple):
 
 
 class FlatPanel(NamedTuple):
-    """A panel's pieces (H, 48) and the tree over them."""
+    """A panel's pieces (H, 48) and the tree over them; numbers: with room for its cells, see `layout`."""
 
     pieces: Array
     tree: Tree
+    numbers: Array
 
 
 _panels: WeakKeyDictionary[Panel, FlatPanel] = WeakKeyDictionary()
@@ -62,9 +75,49 @@ def flat_panel(panel: Panel) -> FlatPanel:
     found = _panels.get(panel)
     if found is None:
         pieces, _ = panel.pieces()
-        found = FlatPanel(piece_rows(pieces), build(*hexahedra.bounds(pieces)))
-        _panels[panel] = found
+        tree = build(*hexahedra.bounds(pieces))
+        first = 1 + tree.boxes.size
+        end = first + PIECES * len(pieces)
+        numbers = np.empty(end + _ROOM)
+        numbers[0], numbers[1:first] = end, _centered(tree.boxes).ravel()
+        rows = numbers[first:end].reshape(-1, PIECES)
+        for some in range(0, len(pieces), _AT_A_TIME):
+            rows[some : some + _AT_A_TIME] = piece_rows(pieces[some : some + _AT_A_TIME])
+        found = _panels[panel] = FlatPanel(rows, tree, numbers)
     return found
+
+
+def _with_own(numbers: Array, own: Array) -> tuple[Array, int]:
+    """The numbers of a panel with those of one more cell, and where these begin.
+
+    All cells of a panel share its numbers, which may be a gigabyte; where there is no more room they are
+    copied.
+    """
+    first = int(numbers[0])
+    end = first + len(own)
+    if end > len(numbers):
+        numbers = np.concatenate([numbers[:first], np.empty(len(own) + _ROOM)])
+    numbers[first:end], numbers[0] = own, end
+    return numbers, first
+
+
+def own_numbers(flat: FlatCell) -> Array:
+    """The numbers of a cell that are its own: machine, solids, profiles, needs, always."""
+    S, P, K, first = flat.indices[[N_SOLIDS, N_CORNERS, N_PAIRS, OWN]].tolist()
+    return flat.numbers[first : first + MACHINE + SOLIDS * S + 2 * P + 3 * K]
+
+
+def machine_row(flat: FlatCell) -> Array:
+    """The row `machine` of a cell."""
+    return own_numbers(flat)[:MACHINE]
+
+
+def copied(flat: FlatCell) -> FlatCell:
+    """The same cell with numbers of its own, to be changed."""
+    numbers, first = _with_own(flat.numbers, own_numbers(flat))
+    indices = flat.indices.copy()
+    indices[OWN] = first
+    return FlatCell(numbers, indices)
 
 
 def piece_rows(pieces: Array) -> Array:
@@ -97,7 +150,7 @@ def pack(
     [m].
     """
     _check(machine)
-    pieces, tree = flat_panel(panel)
+    pieces, tree, shared = flat_panel(panel)
     rows = [solid_row(solid) for solid in solids]
     profiles = [s.shape.profile for s in solids if isinstance(s.shape, Prism)]
     corners = np.vstack(profiles) if profiles else np.empty((0, 2))
@@ -106,19 +159,17 @@ def pack(
     header = np.zeros(HEADER, dtype=np.int64)
     header[:] = (
         len(tree.nodes), len(pieces), len(rows), len(corners), len(met),
-        open_pairs, tip_pair, tree.depth,
+        open_pairs, tip_pair, tree.depth, 0,
     )  # fmt: skip
     floats = [
         _machine_row(machine, panel, near_radius),
-        _centered(tree.boxes),
-        pieces,
         np.array(rows),
         corners,
         needs,
         _always_apart(machine, solids, np.array(met)),
     ]
     whole = [header, tree.nodes, np.array(solid_kinds(solids)), np.array(met)]
-    numbers = np.concatenate([np.ravel(part) for part in floats])
+    numbers, header[OWN] = _with_own(shared, np.concatenate([np.ravel(part) for part in floats]))
     indices = np.concatenate([np.ravel(part) for part in whole]).astype(np.int64)
     return FlatCell(numbers, indices)
 

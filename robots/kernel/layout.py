@@ -2,6 +2,7 @@
 
 Ints is the type of index arrays. A point is three numbers. Rows:
 
+    used (1,)            how many of the numbers are in use; behind them is room for more cells of the panel
     machine (MACHINE,)   R_panel_gantry, t_panel_gantry, gantry origin, heights of W and C, limits, radius
     boxes (N, 6)         centre and half size of each tree node's box, panel frame
     pieces (H, 48)       8 vertices, 6 outward unit normals, 6 offsets (the largest over ALL vertices)
@@ -51,4 +52,4 @@ SWEPT_CENTER, SWEPT_HALF, SWEPT = 18, 21, 24
 # axes of a configuration
 X, Y, Z, A, B, W, C = range(7)
 # header of the index array: numbers of rows, and what else is whole
-N_NODES, N_PIECES, N_SOLIDS, N_CORNERS, N_PAIRS, N_OPEN_PAIRS, TIP_PAIR, DEPTH, HEADER = range(9)
+N_NODES, N_PIECES, N_SOLIDS, N_CORNERS, N_PAIRS, N_OPEN_PAIRS, TIP_PAIR, DEPTH, OWN, HEADER = range(10)

@@ -12,8 +12,7 @@ from planners.arrays import Array
 from planners.native import PATH, POSE, NativeSpace
 from robots.kernel.callable import Handle
 from robots.kernel.edge import ADVANCE, CURVE, POLICY, ask
-from robots.kernel.flat import FlatCell, pack
-from robots.kernel.layout import MACHINE
+from robots.kernel.flat import FlatCell, machine_row, pack
 from robots.kernel.poses import die_tips
 from robots.kernel.work import block_sizes, new_blocks
 
@@ -53,7 +52,7 @@ class KernelSpaces:
     def __init__(self, flat: FlatCell, lower: Array, upper: Array) -> None:
         self._flat, self._lower, self._upper = flat, lower, upper
         self._sizes, self._frames = block_sizes(flat.indices), np.empty((6, 12))
-        self._machine = flat.numbers[:MACHINE]
+        self._machine = machine_row(flat)
 
     def of_link(self, poses: Sequence[Array]) -> KernelSpace:
         """The Space of a link whose open poses are `poses`, each (7,)."""
@@ -81,6 +80,7 @@ class KernelSpace:
         sizes: tuple[int, int],
     ) -> None:
         self._numbers, self._indices = flat
+        self._machine = machine_row(flat)
         self._work = new_blocks(sizes)
         self.anchors = anchors
         self._edge = np.empty((2, len(lower)))  # what is asked about, in the one type that is compiled for
@@ -126,7 +126,12 @@ class KernelSpace:
     def tips(self, configurations: Array) -> Array:
         """The die tip at configurations (N, 7) as the panel sees it, (N, 3) [m]."""
         found = np.empty((len(configurations), 3))
-        die_tips(self._numbers[:MACHINE], np.ascontiguousarray(configurations), np.empty((6, 12)), found)
+        die_tips(
+            machine_row(FlatCell(self._numbers, self._indices)),
+            np.ascontiguousarray(configurations),
+            np.empty((6, 12)),
+            found,
+        )
         return found
 
     def guaranteed_clearance(self, waypoints: Array) -> float:

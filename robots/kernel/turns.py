@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planners.arrays import Array
-from robots.kernel.flat import FlatCell, solid_row
+from robots.kernel.flat import FlatCell, copied, machine_row, own_numbers, solid_row
 from robots.kernel.layout import (
     C_HEIGHT,
     DEPTH,
@@ -96,7 +96,7 @@ class KernelTurns:
 
     def __init__(self, flat: FlatCell, solids: Sequence[Solid]) -> None:
         self._flat = flat
-        heights = flat.numbers[[W_HEIGHT, C_HEIGHT]]
+        heights = machine_row(flat)[[W_HEIGHT, C_HEIGHT]]
         self._height = float(heights.sum())
         self._links = [solid.link for solid in solids]
         pairs = _pairs(flat)
@@ -178,7 +178,7 @@ class KernelTurns:
 
     def _without_turning(self, pairs: Pairs) -> FlatCell:
         """The cell without the clearances that depend on C."""
-        still = FlatCell(self._flat.numbers.copy(), self._flat.indices)
+        still = copied(self._flat)
         _pairs(still).needs[[k for k, _ in self._turning(pairs)]] = _LEFT_OUT
         return still
 
@@ -193,11 +193,11 @@ class KernelTurns:
 
 def _pairs(flat: FlatCell) -> Pairs:
     """Views of the pairs of a packed cell, which are the last things in it."""
-    count = int(flat.indices[N_PAIRS])
+    count, own = int(flat.indices[N_PAIRS]), own_numbers(flat)
     return Pairs(
         flat.indices[-2 * count :].reshape(count, 2),
-        flat.numbers[-3 * count : -count].reshape(count, 2),
-        flat.numbers[-count:],
+        own[-3 * count : -count].reshape(count, 2),
+        own[-count:],
     )
 
 

@@ -24,6 +24,7 @@ from robots.kernel.layout import (
     N_PAIRS,
     N_PIECES,
     N_SOLIDS,
+    OWN,
     PIECES,
     POSE,
     SOLIDS,
@@ -97,18 +98,19 @@ def views_of(numbers: Array, indices: Ints) -> Any:
     """Unpack what `flat.pack` has packed."""
     N, H, S = indices[N_NODES], indices[N_PIECES], indices[N_SOLIDS]
     P, K = indices[N_CORNERS], indices[N_PAIRS]
-    boxes = MACHINE
+    own = indices[OWN]
+    boxes = 1
     pieces = boxes + 6 * N
-    solids = pieces + PIECES * H
+    solids = own + MACHINE
     profiles = solids + SOLIDS * S
     needs = profiles + 2 * P
     always = needs + 2 * K
     kinds = HEADER + 2 * N
     pairs = kinds + 4 * S
     return Views(
-        numbers[:MACHINE],
+        numbers[own:solids],
         numbers[boxes:pieces].reshape(N, 6),
-        numbers[pieces:solids].reshape(H, PIECES),
+        numbers[pieces : pieces + PIECES * H].reshape(H, PIECES),
         numbers[solids:profiles].reshape(S, SOLIDS),
         numbers[profiles:needs].reshape(P, 2),
         numbers[needs:always].reshape(K, 2),

@@ -15,7 +15,8 @@ import pytest
 
 from planners.arrays import Array
 from robots.cell import CERTIFICATE_MARGIN, Cell, LinkSpace
-from robots.kernel.flat import FlatCell, flat_panel, pack
+from robots.kernel.flat import FlatCell, flat_panel, own_numbers, pack
+from robots.kernel.layout import N_PAIRS
 from robots.kernel.space import KernelSpace, flat_cell
 from robots.kernel.work import block_sizes
 from robots.panel import Panel
@@ -330,8 +331,8 @@ def test_solids_said_to_be_always_apart_never_come_nearer(die: str) -> None:
 
 def apart_always(where: Cell) -> Array:
     """Row `always` of the packed cell."""
-    numbers, indices = flat_cell(where, CERTIFICATE_MARGIN)
-    always: Array = numbers[-int(indices[4]) :]
+    packed = flat_cell(where, CERTIFICATE_MARGIN)
+    always: Array = own_numbers(packed)[-int(packed.indices[N_PAIRS]) :]
     return always
 
 

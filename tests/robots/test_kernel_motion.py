@@ -6,7 +6,7 @@ import pytest
 from planners.arrays import Array
 from robots.kernel.flat import FlatCell
 from robots.kernel.layout import MACHINE as MACHINE_ROW
-from robots.kernel.layout import PIECES, POSE_T, SOLIDS, Ints
+from robots.kernel.layout import N_PAIRS, N_SOLIDS, OWN, POSE_T, SOLIDS, Ints
 from robots.kernel.motion import motion_of_pairs
 from robots.kernel.poses import place_links
 from robots.kernel.space import KernelSpaces
@@ -54,10 +54,10 @@ def test_links_are_where_the_chain_of_the_definition_puts_them() -> None:
 def unpacked(packed: FlatCell) -> tuple[Array, Array, Ints]:
     """Rows `machine`, `solids` and `pairs` of a packed cell, taken apart once more by hand."""
     numbers, indices = np.array(packed.numbers), np.array(packed.indices)
-    N, H, S, _, K = indices[:5].tolist()
-    first = MACHINE_ROW + 6 * N + PIECES * H
+    S, K, own = indices[[N_SOLIDS, N_PAIRS, OWN]].tolist()
+    first = own + MACHINE_ROW
     return (
-        numbers[:MACHINE_ROW],
+        numbers[own:first],
         numbers[first : first + SOLIDS * S].reshape(S, SOLIDS),
         indices[-2 * K :].reshape(K, 2),
     )

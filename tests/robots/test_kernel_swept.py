@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from planners.arrays import Array
 from robots.cell import LinkSpace
 from robots.chain import Chain
+from robots.kernel.flat import machine_row as machine_row_of
 from robots.kernel.flat import pack, solid_row
-from robots.kernel.layout import MACHINE as MACHINE_ROW
 from robots.kernel.layout import Ints
 from robots.kernel.motion import motion_of_pairs
 from robots.kernel.space import KernelSpace
@@ -39,7 +39,7 @@ def machine_row() -> Array:
         tip_pair=CELL.tip_pair,
         near_radius=MACHINE.policy.near_radius,
     )
-    row: Array = packed.numbers[:MACHINE_ROW].copy()
+    row: Array = machine_row_of(packed).copy()
     return row
 
 
