@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from planners.arrays import Array
 from robots import bodies, hexahedra
 from robots.errors import InputProblem, InvalidInput
 from robots.meshes.model import Body, Model, Unit
@@ -109,8 +108,8 @@ def _faults(chosen: Iterable[Body]) -> Iterator[tuple[str, str, str]]:
         if open_edges:
             message = f"{name} is not closed, or its triangles do not all face out: {open_edges} edges"
             yield "mesh_not_closed", message, "See `rivetplan mesh check`, which also repairs, if told to."
-        elif _volume(body.corners()) < 0.0:
-            message = f"{name} is inside out: its triangles face inwards"
+        elif _is_inside_out(body):
+            message = f"{name}, or a piece of it, is inside out: its triangles face inwards"
             yield "mesh_inside_out", message, "Repair it with `rivetplan mesh check --fix orient`."
 
 
@@ -125,10 +124,15 @@ def _unpaired_edges(triangles: NDArray[np.int64]) -> int:
     return int(unmet.sum()) + int((counts - 1).sum())
 
 
-def _volume(corners: Array) -> float:
-    """Signed volume [m^3] that triangles (T, 3, 3) close."""
-    local = corners - corners[0, 0]
-    return float(np.einsum("tk,tk->", local[:, 0], np.cross(local[:, 1], local[:, 2]))) / 6.0
+def _is_inside_out(body: Body) -> bool:
+    """Whether triangles of a closed body face inwards, other than those of a cavity in its material."""
+    # Imported when first used, as in `cell`: loading compiled code takes time.
+    from robots.meshes.audit import inverted_pieces
+    from robots.meshes.audit_edges import components, edges_of
+
+    corners = body.corners()
+    count, piece = components(len(corners), edges_of(body.triangles))
+    return bool(inverted_pieces(corners, piece, count).any())
 
 
 def _part(entry: MeshDefinition, chosen: list[Body]) -> Part:

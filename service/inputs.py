@@ -12,6 +12,7 @@ from robots.machine import Machine
 from robots.machine_file import load_machine, machine_ids
 from robots.panel import Panel
 from robots.panel_file import load_panel
+from robots.panel_meshes import Models, no_models
 from robots.process_file import load_processes
 from robots.processes import ProcessLibrary
 from service.process_inputs import unset_fasteners
@@ -49,19 +50,20 @@ def gather(
     dies: Sequence[str] | None,
     places: Places,
     processes: Path | None = None,
+    models: Models = no_models,
 ) -> Inputs:
     """Load the inputs.
 
     panel: the parsed panel document. machine: an id, or the path of a definition file; a client's text is
     always an id. dies: ids, or None for every die of the machine's library. processes: a file of process
-    templates, or None for those that come with rivetplan.
+    templates, or None for those that come with rivetplan. models: the files that the panel's meshes refer to.
     Raises InvalidInput with the problems of all of them, each pointer starting at its place.
     """
     problems: list[InputProblem] = []
     library = _collected(problems, places.processes, lambda: load_processes(processes)) if processes else None
     the_machine = _collected(problems, places.machine, lambda: _machine(machine, library))
     known = None if the_machine is None or problems else the_machine.processes.ids
-    the_panel = _collected(problems, places.panel, lambda: load_panel(panel, known))
+    the_panel = _collected(problems, places.panel, lambda: load_panel(panel, known, models))
     the_dies: tuple[Die, ...] = ()
     if the_machine is not None:
         the_dies = _dies(problems, the_machine, dies, places.dies)

@@ -17,6 +17,7 @@ from robots.machine import Machine
 from robots.outline import Outline, read_outline
 from robots.schema_problems import schema_problems
 from robots.strict_json import read_document
+from service.commands.mesh_files import with_assets
 from service.inputs import Inputs, Places, gather
 
 _Model = TypeVar("_Model", bound=BaseModel)
@@ -40,12 +41,12 @@ def read_inputs(
     process templates, if others than those that come with rivetplan. Raises Unusable.
     """
     with as_lines(f"{panel_file}#"):
-        document = read_document(panel_file)
+        document, models = with_assets(read_document(panel_file), panel_file.parent)
     is_file = machine.endswith(".json")
     where = Path(machine) if is_file else machine
     places = Places(f"{panel_file}#", f"{machine}#" if is_file else "--machine", "--die", f"{processes}#")
     with as_lines(""):
-        return gather(document, where, dies, places, processes)
+        return gather(document, where, dies, places, processes, models)
 
 
 def read(file: Path) -> bytes:

@@ -147,7 +147,17 @@ def turned(_: str, triangles: Triangles) -> Triangles:
     return triangles[0], triangles[1][:, ::-1]
 
 
-@pytest.mark.parametrize(("change", "code"), [(holed, "mesh_not_closed"), (turned, "mesh_inside_out")])
+def beside(_: str, triangles: Triangles) -> Triangles:
+    """With a copy beside it, smaller and inside out."""
+    vertices, faces = triangles
+    away = 0.1 * vertices + [9.0, 0.0, 0.0]
+    return np.vstack([vertices, away]), np.vstack([faces, len(vertices) + faces[:, ::-1]])
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [(holed, "mesh_not_closed"), (turned, "mesh_inside_out"), (beside, "mesh_inside_out")],
+)
 def test_meshes_without_an_inside_are_refused(change: Any, code: str) -> None:
     document, files = meshed(small_panel(), change)
 

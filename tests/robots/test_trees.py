@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from planners.arrays import Array
 from robots.trees.meeting import meeting
 from robots.trees.rays import are_inside, crossings
-from robots.trees.tree import Tree, build
+from robots.trees.tree import Ints, Tree, build
 
 
 def boxes(seed: int, count: int, size: float, digits: int | None = None) -> tuple[Array, Array]:
@@ -46,7 +46,7 @@ def test_cut_is_the_cheapest_of_all() -> None:
     low, high = boxes(3, 40, 0.3)
     tree = build(low, high)
 
-    def cost(half: Array) -> float:
+    def cost(half: Ints) -> float:
         x, y, z = high[half].max(axis=0) - low[half].min(axis=0)
         return float((x * y + y * z + z * x) * len(half))
 

@@ -1,0 +1,1 @@
+"""Dies from meshes: an entry of a die library whose convex solids enclose the body."""

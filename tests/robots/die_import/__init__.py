@@ -1,0 +1,1 @@
+"""Dies from meshes."""
