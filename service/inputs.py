@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
+from robots.die_import.libraries import with_dies
 from robots.dies import Die
 from robots.errors import InputProblem, InvalidInput, UnknownName
 from robots.machine import Machine
@@ -51,17 +52,19 @@ def gather(
     places: Places,
     processes: Path | None = None,
     models: Models = no_models,
+    own_dies: Sequence[dict[str, Any]] = (),
 ) -> Inputs:
     """Load the inputs.
 
     panel: the parsed panel document. machine: an id, or the path of a definition file; a client's text is
     always an id. dies: ids, or None for every die of the machine's library. processes: a file of process
-    templates, or None for those that come with rivetplan. models: the files that the panel's meshes refer to.
+    templates, or None for those that come with rivetplan. models: the files that the panel's meshes refer
+    to. own_dies: entries of a die library, beside those the machine comes with.
     Raises InvalidInput with the problems of all of them, each pointer starting at its place.
     """
     problems: list[InputProblem] = []
     library = _collected(problems, places.processes, lambda: load_processes(processes)) if processes else None
-    the_machine = _collected(problems, places.machine, lambda: _machine(machine, library))
+    the_machine = _collected(problems, places.machine, lambda: _machine(machine, library, own_dies))
     known = None if the_machine is None or problems else the_machine.processes.ids
     the_panel = _collected(problems, places.panel, lambda: load_panel(panel, known, models))
     the_dies: tuple[Die, ...] = ()
@@ -98,9 +101,13 @@ def _collected(problems: list[InputProblem], place: str, load: Callable[[], T]) 
         return None
 
 
-def _machine(machine: str | Path, processes: ProcessLibrary | None) -> Machine:
+def _machine(
+    machine: str | Path, processes: ProcessLibrary | None, own_dies: Sequence[dict[str, Any]]
+) -> Machine:
     if isinstance(machine, str) and machine not in machine_ids():
         raise UnknownName("machine", machine, machine_ids())
+    if own_dies:
+        return with_dies(machine, own_dies, processes=processes)
     return load_machine(machine, processes=processes)
 
 

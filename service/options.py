@@ -5,7 +5,14 @@ from typing import Annotated
 
 import typer
 
-PanelFile = Annotated[Path, typer.Argument(metavar="PANEL.json", help="The panel file.", show_default=False)]
+PanelFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="PANEL.json",
+        help="The panel file, or a folder of CAD parts, a fastener list and dies.",
+        show_default=False,
+    ),
+]
 RequestFile = Annotated[
     Path, typer.Argument(metavar="FILE.json", help="What is posted to the service.", show_default=False)
 ]

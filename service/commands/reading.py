@@ -7,7 +7,7 @@ Exception
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -17,6 +17,7 @@ from robots.machine import Machine
 from robots.outline import Outline, read_outline
 from robots.schema_problems import schema_problems
 from robots.strict_json import read_document
+from service.commands.folder import read_folder
 from service.commands.mesh_files import with_assets
 from service.inputs import Inputs, Places, gather
 
@@ -37,16 +38,23 @@ class Unusable(Exception):
 def read_inputs(
     panel_file: Path, machine: str, dies: Sequence[str] | None, processes: Path | None = None
 ) -> Inputs:
-    """Read a panel file. machine: an id, or a definition file where it ends in .json. processes: a file of
-    process templates, if others than those that come with rivetplan. Raises Unusable.
+    """Read a panel file, or a folder as `folder` does. Raises Unusable.
+
+    machine: an id, or a definition file where it ends in .json. processes: a file of process templates, if
+    others than those that come with rivetplan.
     """
-    with as_lines(f"{panel_file}#"):
-        document, models = with_assets(read_document(panel_file), panel_file.parent)
+    own_dies: list[dict[str, Any]] = []
+    if panel_file.is_dir():
+        with as_lines(f"{panel_file}/"):
+            document, models, own_dies = read_folder(panel_file, processes)
+    else:
+        with as_lines(f"{panel_file}#"):
+            document, models = with_assets(read_document(panel_file), panel_file.parent)
     is_file = machine.endswith(".json")
     where = Path(machine) if is_file else machine
     places = Places(f"{panel_file}#", f"{machine}#" if is_file else "--machine", "--die", f"{processes}#")
     with as_lines(""):
-        return gather(document, where, dies, places, processes, models)
+        return gather(document, where, dies, places, processes, models, own_dies)
 
 
 def read(file: Path) -> bytes:
