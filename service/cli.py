@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from service import __version__, cli_batch, cli_fasteners, cli_keys, cli_mesh, cli_service, cli_tools
+from service import __version__, cli_batch, cli_die, cli_fasteners, cli_keys, cli_mesh, cli_service, cli_tools
 from service.exits import REJECTED, UNUSABLE, or_exit
 from service.options import (
     AnswerOption,
@@ -310,6 +310,7 @@ def check(
 cli_tools.register(app)
 cli_fasteners.register(app)
 cli_mesh.register(app)
+cli_die.register(app)
 cli_batch.register(app)
 cli_service.register(app)
 cli_keys.register(app)

@@ -6,6 +6,7 @@ Both are grown by `GROWN`, so that the rounding of the arithmetic and of the wri
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -42,10 +43,29 @@ class Disc:
         z = [_mm(self.low), _mm(self.high)]
         return {"type": "cylinder", "radius_mm": _mm(self.radius), "center_xy_mm": center, "z_mm": z}
 
+    def grown(self, by: float, bottom: float) -> Disc:
+        """The disc with all that is up to `by` away, between z = bottom and z = 0 [m]."""
+        low, high = max(self.low - by, bottom), min(self.high + by, 0.0)
+        return Disc(self.x, self.y, self.radius + by, low, high)
+
     def beyond(self, points: Array) -> Array:
         """How far points, (n, 3), are outside, per point [m]; at most 0 inside."""
         across = np.hypot(points[:, 0] - self.x, points[:, 1] - self.y) - self.radius
         return np.maximum(across, np.maximum(self.low - points[:, 2], points[:, 2] - self.high))
+
+    def share(self, start: Array, way: Array, by: float) -> float:
+        """Of a way (3,) from a point outside by at most `by` [m], the share up to where it is more."""
+        out = np.array([start[0] - self.x, start[1] - self.y])
+        a, b = float(way[:2] @ way[:2]), float(out @ way[:2])
+        c = min(float(out @ out) - (self.radius + by) ** 2, 0.0)
+        shares = [1.0]
+        if a > 0.0:
+            root = float(np.sqrt(b * b - a * c))
+            shares.append(-c / (b + root) if b > 0.0 else (root - b) / a)
+        shares += _shares(
+            np.array([start[2] - self.high, self.low - start[2]]), np.array([way[2], -way[2]]), by
+        )
+        return max(min(shares), 0.0)
 
     def corners(self) -> Array:
         """Corners of a polyhedron just around it, (n, 3) [m]."""
@@ -72,11 +92,27 @@ class Swept:
         profile = [[_mm(x), _mm(z)] for x, z in self.profile]
         return {"type": "prism", "profile_xz_mm": profile, "y_mm": [_mm(self.low), _mm(self.high)]}
 
-    def beyond(self, points: Array) -> Array:
-        """How far points, (n, 3), are outside, per point [m]; at most 0 inside."""
+    def grown(self, by: float, bottom: float) -> Swept:
+        """The prism with all that is up to `by` away, between z = bottom and z = 0 [m]."""
+        return Swept(_within(shapely.Polygon(self.profile), by, bottom), self.low - by, self.high + by)
+
+    @cached_property
+    def _sides(self) -> tuple[Array, Array]:
+        """Normals (k, 2) of the profile's edges and their offsets (k,)."""
         edges = np.roll(self.profile, -1, axis=0) - self.profile
         normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1)[:, None]
-        offsets = np.einsum("kc,kc->k", normals, self.profile)
+        return normals, np.einsum("kc,kc->k", normals, self.profile)
+
+    def share(self, start: Array, way: Array, by: float) -> float:
+        """Of a way (3,) from a point outside by at most `by` [m], the share up to where it is more."""
+        normals, offsets = self._sides
+        beyond = np.append(normals @ start[[0, 2]] - offsets, [start[1] - self.high, self.low - start[1]])
+        speed = np.append(normals @ way[[0, 2]], [way[1], -way[1]])
+        return max(min([1.0, *_shares(beyond, speed, by)]), 0.0)
+
+    def beyond(self, points: Array) -> Array:
+        """How far points, (n, 3), are outside, per point [m]; at most 0 inside."""
+        normals, offsets = self._sides
         across = np.max(points[:, [0, 2]] @ normals.T - offsets, axis=1)
         return np.asarray(
             np.maximum(across, np.maximum(self.low - points[:, 1], points[:, 1] - self.high)),
@@ -123,15 +159,21 @@ def _disc(points: Array, bottom: float) -> Disc:
 
 
 def _swept(points: Array, bottom: float) -> Swept | None:
-    hull = shapely.MultiPoint(points[:, [0, 2]]).convex_hull.buffer(GROWN, join_style="mitre")
-    if hull.area < THINNEST**2 / 4.0:
+    hull = shapely.MultiPoint(points[:, [0, 2]]).convex_hull
+    if hull.buffer(GROWN, join_style="mitre").area < THINNEST**2 / 4.0:
         return None
-    profile = _fewer_corners(np.array(shapely.geometry.polygon.orient(hull).exterior.coords[:-1]))
+    low, high = _thick(float(points[:, 1].min()) - GROWN, float(points[:, 1].max()) + GROWN)
+    return Swept(_within(hull, GROWN, bottom), low, high)
+
+
+def _within(hull: shapely.Geometry, by: float, bottom: float) -> Array:
+    """The corners (k, 2) of a convex polygon around all that is up to `by` from a hull, from bottom to 0."""
+    grown = hull.buffer(by, join_style="mitre")
+    profile = _fewer_corners(np.array(shapely.geometry.polygon.orient(grown).exterior.coords[:-1]))
     within = shapely.box(-100.0, bottom, 100.0, 0.0)
     cut = shapely.Polygon(profile).intersection(within).convex_hull
     corners = np.array(shapely.geometry.polygon.orient(cut).exterior.coords[:-1])
-    low, high = _thick(float(points[:, 1].min()) - GROWN, float(points[:, 1].max()) + GROWN)
-    return Swept(_strict(_fewer_corners(corners)), low, high)
+    return _strict(_fewer_corners(corners))
 
 
 def _fewer_corners(profile: Array) -> Array:
@@ -178,6 +220,12 @@ def _crossing(p: Array, u: Array, q: Array, v: Array) -> Array | None:
     s = float((q - p)[0] * v[1] - (q - p)[1] * v[0]) / cross
     t = float((q - p)[0] * u[1] - (q - p)[1] * u[0]) / cross
     return np.asarray(p + s * u, dtype=np.float64) if s >= 1.0 and t >= 1.0 else None
+
+
+def _shares(beyond: Array, speed: Array, by: float) -> list[float]:
+    """Where each of some distances beyond planes, that grow by `speed` over the way, has become `by`."""
+    leaves = speed > 0.0
+    return [float(each) for each in (by - beyond[leaves]) / speed[leaves]]
 
 
 def _thick(low: float, high: float) -> tuple[float, float]:

@@ -6,11 +6,14 @@ import shapely
 import trimesh
 
 from planners.arrays import Array
-from robots.die_import.mesh_die import DieRoles, ImportedDie, die_from_mesh, machine_dies
+from robots.die_import.libraries import library_with, with_dies
+from robots.die_import.mesh_die import DieRoles, ImportedDie, die_from_mesh
 from robots.die_import.pieces import written
+from robots.dies import Die
 from robots.errors import InvalidInput
-from robots.machine_file import load_machine
 from robots.meshes.model import Body
+from robots.solids import Cylinder, Solid
+from robots.tooling_file import load_dies
 
 
 def _cylinder(radius: float, low: float, high: float, x: float = 0.0) -> trimesh.Trimesh:
@@ -34,6 +37,17 @@ def _body(*solids: trimesh.Trimesh) -> Body:
     return Body("die", np.array(united.vertices), np.array(united.faces, dtype=np.int64))
 
 
+def _mesh(solid: Solid) -> trimesh.Trimesh:
+    if not isinstance(solid.shape, Cylinder):
+        hull: trimesh.Trimesh = trimesh.convex.convex_hull(solid.vertices)
+        return hull
+    round_one: trimesh.Trimesh = trimesh.creation.cylinder(
+        solid.shape.radius, solid.shape.length, sections=96
+    )
+    round_one.apply_transform(solid.T_link_solid)
+    return round_one
+
+
 STRAIGHT = _body(_cylinder(0.007, -0.05, 0.0), _cylinder(0.03, -0.25, -0.045))
 HOOK = _body(
     _cylinder(0.007, -0.0045, 0.0),
@@ -52,13 +66,43 @@ def _farthest_outside(die: ImportedDie, body: Body) -> float:
     return float(np.max(np.min([solid.beyond(points) for solid in solids], axis=0)))
 
 
-@pytest.mark.parametrize("body", [STRAIGHT, HOOK], ids=["straight", "hook"])
-@pytest.mark.parametrize("most", [2, 4, 16])
-def test_the_solids_enclose_every_triangle(body: Body, most: int) -> None:
-    die = die_from_mesh(body, DieRoles("mine", most=most))
-    assert _farthest_outside(die, body) <= 1e-9
-    assert die.uncovered <= 1e-9
-    assert len(die.entry["solids"]) <= most
+@pytest.mark.parametrize("die", list(load_dies()), ids=lambda die: die.id)
+@pytest.mark.parametrize("most", [4, pytest.param(24, marks=pytest.mark.long)])
+def test_each_die_of_the_library_comes_back_from_its_mesh(die: Die, most: int) -> None:
+    body = _body(*(_mesh(solid) for solid in die.solids))
+    found = die_from_mesh(body, DieRoles("mine", most=most))
+    assert _farthest_outside(found, body) <= 1e-8
+    assert found.excess <= 0.2e-3
+    assert found.entry["axisymmetric"] == die.axisymmetric
+    assert len(found.entry["solids"]) == len(die.solids)
+    assert found.mounting_face_mm == 1000.0 * die.mounting_z
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("angle", [0.3, 1.1])
+def test_a_hook_at_an_angle_is_enclosed_or_refused_with_what_was_reached(angle: float) -> None:
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    body = Body("die", HOOK.vertices @ turn.T, HOOK.triangles)
+    with pytest.raises(InvalidInput, match="stand out of the body by") as refused:
+        die_from_mesh(body, DieRoles("mine", most=8))
+    reached = float(str(refused.value.problems[0].value))
+    found = die_from_mesh(body, DieRoles("mine", excess=reached * 1e-3 + 1e-6, most=8))
+    assert _farthest_outside(found, body) <= 1e-8
+
+
+def test_a_mesh_that_stands_for_a_surface_beside_it_gets_larger_solids() -> None:
+    body = Body("die", HOOK.vertices, HOOK.triangles, deviation=0.1e-3)
+    found = die_from_mesh(body, DieRoles("mine", excess=0.4e-3))
+    rng = np.random.default_rng(2)
+    corners = body.corners()
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-30)[:, None]
+    shares = rng.dirichlet([1.0, 1.0, 1.0], (len(corners), 20))
+    points = np.einsum("tkc,tcd->tkd", shares, corners) + 0.1e-3 * normals[:, None]
+    points = points.reshape(-1, 3)
+    points = points[(points[:, 2] <= 0.0) & (points[:, 2] >= -0.25)]
+    solids = [written(each["shape"]) for each in found.entry["solids"]]
+    assert float(np.max(np.min([solid.beyond(points) for solid in solids], axis=0))) <= 1e-8
 
 
 def test_a_turned_die_is_axisymmetric_and_close() -> None:
@@ -74,9 +118,32 @@ def test_a_hook_is_close_where_it_is_swept() -> None:
     assert die.excess <= 0.2e-3
 
 
-def test_a_machine_plans_with_the_die() -> None:
-    machine = load_machine("riveter", dies=machine_dies([die_from_mesh(HOOK, DieRoles("mine"))]))
-    assert machine.dies["mine"].mounting_z == machine.dies["j20"].mounting_z
+def test_a_machine_has_the_die_beside_its_own_or_alone() -> None:
+    entry = die_from_mesh(HOOK, DieRoles("mine")).entry
+    beside, alone = with_dies("riveter", [entry]), with_dies("riveter", [entry], alone=True)
+    assert beside.dies["mine"].mounting_z == beside.dies["j20"].mounting_z
+    assert alone.dies.ids == ("mine",)
+    assert len({load_dies().sha256, beside.dies.sha256, alone.dies.sha256}) == 3
+
+
+def test_a_die_ends_at_the_mounting_face_or_is_refused() -> None:
+    rounded = Body("die", HOOK.vertices * [1.0, 1.0, 0.2499999 / 0.25], HOOK.triangles)
+    entry = die_from_mesh(rounded, DieRoles("mine")).entry
+    assert library_with([entry])["mine"].mounting_z == -0.25
+    short = Body("die", HOOK.vertices * [1.0, 1.0, 0.99], HOOK.triangles)
+    with pytest.raises(InvalidInput, match="mounting face"):
+        library_with([die_from_mesh(short, DieRoles("mine")).entry])
+
+
+@pytest.mark.parametrize("factor", [0.001, 0.0254, 25.4, 1000.0])
+def test_a_die_in_another_unit_is_refused(factor: float) -> None:
+    with pytest.raises(InvalidInput, match="unit"):
+        die_from_mesh(Body("die", STRAIGHT.vertices * factor, STRAIGHT.triangles), DieRoles("mine"))
+
+
+def test_a_shape_that_needs_more_solids_than_there_may_be_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="2 solids stand out of the body by"):
+        die_from_mesh(HOOK, DieRoles("mine", most=2))
 
 
 def test_tip_and_up_put_the_die_in_its_frame() -> None:
@@ -95,3 +162,10 @@ def test_a_tip_beside_the_axis_and_an_open_body_are_refused() -> None:
     opened = Body("die", STRAIGHT.vertices, STRAIGHT.triangles[1:].copy())
     with pytest.raises(InvalidInput, match="closed"):
         die_from_mesh(opened, DieRoles("mine"))
+
+
+def test_shells_that_were_not_united_are_enclosed() -> None:
+    tip, shank = _cylinder(0.007, -0.05, 0.0), _cylinder(0.03, -0.25, -0.045)
+    triangles = np.vstack([tip.faces, shank.faces + len(tip.vertices)]).astype(np.int64)
+    body = Body("die", np.vstack([tip.vertices, shank.vertices]), triangles)
+    assert _farthest_outside(die_from_mesh(body, DieRoles("mine")), body) <= 1e-6
